@@ -90,6 +90,7 @@ PARTS: tuple[tuple[str, ModuleType, tuple[str, ...]], ...] = (
     ("Identification of laws", asperity, ("identify", "Identification")),
     ("Tables and figures", asperity, ("Table", "Figure")),
     ("Exceptions", asperity, ("ScenarioError", "ComputationError")),
+    ("Warnings", asperity, ("AsperityWarning", "AccuracyWarning", "JudgementWarning")),
     (
         "The module `asperity.signal`",
         asperity.signal,

@@ -23,8 +23,17 @@ const TOOLS: [&str; 4] = ["maturin>=1.9,<2", "mypy", "numpy", "pytest"];
 
 /// Packages that results are compared with, that take tables, and that run the notebooks; tests
 /// without them skip, by name.
-const COMPARED: [&str; 8] =
-    ["ipykernel", "matplotlib", "nbclient", "polars", "pyarrow", "pyFRF", "scipy", "sdypy-sep005"];
+const COMPARED: [&str; 9] = [
+    "ipykernel",
+    "matplotlib",
+    "nbclient",
+    "pandas",
+    "polars",
+    "pyarrow",
+    "pyFRF",
+    "scipy",
+    "sdypy-sep005",
+];
 
 /// Variable that makes the package a condition, with this value.
 const REQUIRED: (&str, &str) = ("ASPERITY_PYTHON", "required");

@@ -3,11 +3,12 @@
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// Longest time until a signal is noticed, and shortest between two calls of a progress function.
 const TICK: Duration = Duration::from_millis(50);
@@ -65,6 +66,41 @@ pub(crate) fn run<T: Send + 'static>(
     run_watched(py, listener, Arc::new(Progress::default()), work)
 }
 
+/// Process that imported the package.
+static IMPORTED_BY: OnceLock<u32> = OnceLock::new();
+
+/// Threads of a process that was forked from it.
+static FORKED: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+
+/// Notes the process that imports the package.
+pub(crate) fn imported() {
+    IMPORTED_BY.get_or_init(std::process::id);
+}
+
+/// Carries out `work` on threads of this process.
+///
+/// A process that was forked has the pool of its parent without the threads, and would wait for them for
+/// ever; it gets a pool of its own. None if its threads cannot be started.
+fn on_own_threads<T: Send>(work: impl FnOnce() -> T + Send) -> Option<T> {
+    let process = std::process::id();
+    if IMPORTED_BY.get().is_none_or(|imported| *imported == process) {
+        return Some(work());
+    }
+    let pool = {
+        let mut forked = FORKED.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*forked {
+            Some((of, pool)) if *of == process => Arc::clone(pool),
+            _ => {
+                let pool = Arc::new(ThreadPoolBuilder::new().build().ok()?);
+                // The pool of a parent that was forked itself has no threads to end.
+                std::mem::forget(forked.replace((process, Arc::clone(&pool))));
+                pool
+            }
+        }
+    };
+    Some(pool.install(work))
+}
+
 /// Carries out `work` without the interpreter's lock.
 ///
 /// The calling thread calls `listener`, if there is one, with the fraction done, and checks signals.
@@ -84,7 +120,7 @@ pub(crate) fn run_watched<T: Send + 'static, W: Watched>(
     let receiver = Mutex::new(receiver);
     let reported = Arc::clone(&watched);
     let thread = std::thread::Builder::new().name("asperity".to_owned()).spawn(move || {
-        let outcome = catch_unwind(AssertUnwindSafe(|| work(&reported)));
+        let outcome = catch_unwind(AssertUnwindSafe(|| on_own_threads(|| work(&reported))));
         // Nobody receives the outcome of a stopped computation.
         let _ = sender.send(outcome);
     });
@@ -103,7 +139,10 @@ pub(crate) fn run_watched<T: Send + 'static, W: Watched>(
         }
         told = fraction;
         match received {
-            Ok(Ok(result)) => return Ok(result),
+            Ok(Ok(Some(result))) => return Ok(result),
+            Ok(Ok(None)) => {
+                return Err(PyRuntimeError::new_err("cannot start threads in a forked process"));
+            }
             // A defect of the program, shown as pyo3 shows panics.
             Ok(Err(payload)) => resume_unwind(payload),
             Err(RecvTimeoutError::Timeout) => py.check_signals().inspect_err(|_| {

@@ -10,8 +10,8 @@ use asperity_signal::SignalError;
 use asperity_simulation::error::SimulationError;
 use pyo3::create_exception;
 use pyo3::exceptions::{
-    PyException, PyFileNotFoundError, PyIsADirectoryError, PyOSError, PyPermissionError,
-    PyValueError,
+    PyException, PyFileExistsError, PyFileNotFoundError, PyIsADirectoryError, PyOSError,
+    PyPermissionError, PyValueError,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -148,6 +148,9 @@ pub(crate) fn of_study(py: Python<'_>, error: &SimulationError) -> PyErr {
 pub(crate) fn of_measure(error: &MeasureError) -> PyErr {
     match error {
         MeasureError::Io { source, .. } => of_io(source, error.to_string()),
+        MeasureError::Exists { .. } => {
+            PyFileExistsError::new_err(format!("{error}; overwrite=True replaces it"))
+        }
         _ => PyValueError::new_err(error.to_string()),
     }
 }
@@ -158,6 +161,7 @@ pub(crate) fn of_analysis(error: &AnalysisError) -> PyErr {
     match error {
         AnalysisError::Measure(source) => of_measure(source),
         AnalysisError::Io { source, .. } => of_io(source, error.to_string()),
+        AnalysisError::NoFiles { .. } => PyFileNotFoundError::new_err(error.to_string()),
         _ if error.is_wrong_request() => PyValueError::new_err(error.to_string()),
         _ => ComputationError::new_err(error.to_string()),
     }
@@ -194,6 +198,6 @@ pub(crate) fn of_identification(py: Python<'_>, error: &IdentificationError) -> 
 }
 
 /// OSError, of the class that fits the cause.
-fn of_io(cause: &std::io::Error, message: String) -> PyErr {
+pub(crate) fn of_io(cause: &std::io::Error, message: String) -> PyErr {
     std::io::Error::new(cause.kind(), message).into()
 }

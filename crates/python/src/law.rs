@@ -1,5 +1,6 @@
 //! The class `Law`, tables of the laws of a scenario, and the fit of the power law.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::{Arc, LazyLock};
 
 use asperity_law::{
@@ -84,6 +85,11 @@ impl PyLaw {
             }
         })?;
         Ok(Self { spec, reference_pa, law })
+    }
+
+    /// Text and bits that equal laws have in common.
+    fn key(&self) -> (String, Option<u64>) {
+        (json!(self.spec).to_string(), self.reference_pa.map(f64::to_bits))
     }
 
     /// Applies a function to every number of an array.
@@ -279,11 +285,13 @@ impl PyLaw {
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        let other = other.cast::<Self>();
-        other.is_ok_and(|other| {
-            let other = other.get();
-            other.spec == self.spec && other.reference_pa == self.reference_pa
-        })
+        other.cast::<Self>().is_ok_and(|other| other.get().key() == self.key())
+    }
+
+    fn __hash__(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        self.key().hash(&mut hasher);
+        hasher.finish()
     }
 
     /// Pickles and copies are made from the document and the reference pressure.
@@ -349,7 +357,7 @@ pub(crate) fn tabulate<'py>(
     let scenario = PyScenario::of(scenario, None)?.scenario;
     let tables = background::run(py, None, move |_| tables_of(&scenario))?
         .map_err(|error| exception::of_study(py, &error))?;
-    let figure = (!tables.is_empty()).then(|| PyFigure(asperity_plot::laws(&tables)));
+    let figure = (!tables.is_empty()).then(|| PyFigure::from(asperity_plot::laws(&tables)));
     let dict = PyDict::new(py);
     for table in &tables {
         let columns = law_columns(table).map(|(name, values)| (name, values.to_vec()));

@@ -55,7 +55,7 @@ mod _asperity {
     #[pymodule_export]
     use crate::exception::{ComputationError, ScenarioError};
     #[pymodule_export]
-    use crate::figure::PyFigure;
+    use crate::figure::{PyFigure, restore_figure};
     #[pymodule_export]
     use crate::identify::identify;
     #[pymodule_export]
@@ -84,6 +84,7 @@ mod _asperity {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::background::imported();
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -1,11 +1,12 @@
 //! The class `Scenario`.
 
-use std::path::PathBuf;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
 
 use asperity_scenario::{Document, Scenario};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::{IntoPyDict, PyDict, PyMapping, PyString};
 
 use crate::{exception, json};
 
@@ -57,6 +58,15 @@ impl PyScenario {
     }
 }
 
+/// Calls a function of a module of the package with the scenario and a value before the options.
+fn call<'py>(
+    (module, function): (&str, &str),
+    arguments: impl pyo3::call::PyCallArgs<'py>,
+    options: Bound<'py, PyDict>,
+) -> PyResult<Bound<'py, PyAny>> {
+    options.py().import(module)?.getattr(function)?.call(arguments, Some(&options))
+}
+
 #[pymethods]
 impl PyScenario {
     #[new]
@@ -69,20 +79,27 @@ impl PyScenario {
     ///
     /// Parameters
     /// ----------
-    /// values : dict
+    /// values : mapping
     ///     Values by JSON Pointer (RFC 6901), such as ``{"/excitation/peak_n": 20}``. They are set
     ///     in their order, and the whole is checked then.
     ///
     /// Raises
     /// ------
     /// TypeError
-    ///     If a pointer is not a str, or a value cannot be in a document.
+    ///     If the values are no mapping, a pointer is not a str, or a value cannot be in a document.
     /// ScenarioError
     ///     If a pointer leads nowhere, or the result is not valid.
-    fn with_(&self, values: &Bound<'_, PyDict>) -> PyResult<Self> {
+    fn with_(&self, values: &Bound<'_, PyAny>) -> PyResult<Self> {
         let py = values.py();
+        let Ok(values) = values.cast::<PyMapping>() else {
+            return Err(PyTypeError::new_err(format!(
+                "the values cannot be of the type {}; accepted: a mapping of JSON Pointers to values",
+                values.get_type().name()?
+            )));
+        };
         let mut document = self.document.clone();
-        for (pointer, value) in values {
+        for item in values.items()? {
+            let (pointer, value): (Bound<'_, PyAny>, Bound<'_, PyAny>) = item.extract()?;
             let pointer = pointer.cast::<PyString>().map_err(|_| {
                 PyTypeError::new_err("the keys of the values are JSON Pointers, as str")
             })?;
@@ -92,6 +109,171 @@ impl PyScenario {
                 .map_err(|error| exception::of_set(py, error.to_string(), &error))?;
         }
         Self::checked(py, document)
+    }
+
+    /// Simulate the response to the force, as the function `simulate` does.
+    ///
+    /// Parameters
+    /// ----------
+    /// progress : callable, optional
+    ///     Called with the fraction done, 0 to 1.
+    ///
+    /// Returns
+    /// -------
+    /// Simulation
+    ///     Observables, time history and receptance.
+    #[pyo3(signature = (*, progress = None))]
+    fn simulate<'py>(
+        slf: &Bound<'py, Self>,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let options = [("progress", progress)].into_py_dict(slf.py())?;
+        call(("asperity._simulate", "simulate"), (slf,), options)
+    }
+
+    /// Simulate many runs, as the function `sweep` does.
+    ///
+    /// Parameters
+    /// ----------
+    /// vary, rows : mapping
+    ///     Values by JSON Pointer: all combinations, or row by row.
+    /// threads : int, optional
+    ///     Number of threads; all cores by default.
+    /// progress : callable, optional
+    ///     Called with the fraction done, 0 to 1.
+    ///
+    /// Returns
+    /// -------
+    /// Sweep
+    ///     A table of a row per run.
+    #[pyo3(signature = (vary = None, *, rows = None, threads = None, progress = None))]
+    fn sweep<'py>(
+        slf: &Bound<'py, Self>,
+        vary: Option<Bound<'py, PyAny>>,
+        rows: Option<Bound<'py, PyAny>>,
+        threads: Option<Bound<'py, PyAny>>,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let options = [("rows", rows), ("threads", threads), ("progress", progress)];
+        call(("asperity._sweep", "sweep"), (slf, vary), options.into_py_dict(slf.py())?)
+    }
+
+    /// Follow branches of steady responses, as the function `steady` does.
+    ///
+    /// Parameters
+    /// ----------
+    /// amplitudes_n : float or array_like
+    ///     Amplitudes of the force in N, or of the acceleration of a moving base in m/s2.
+    /// from_hz, to_hz : float
+    ///     Range of frequencies in Hz.
+    /// options
+    ///     Those of the function `steady`, by their names.
+    ///
+    /// Returns
+    /// -------
+    /// SteadyResponses
+    ///     Branches, backbones and stepped sines as tables.
+    #[pyo3(signature = (amplitudes_n, from_hz, to_hz, **options))]
+    fn steady<'py>(
+        slf: &Bound<'py, Self>,
+        amplitudes_n: Bound<'py, PyAny>,
+        from_hz: Bound<'py, PyAny>,
+        to_hz: Bound<'py, PyAny>,
+        options: Option<Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let options = options.unwrap_or_else(|| PyDict::new(slf.py()));
+        call(("asperity._steady", "steady"), (slf, amplitudes_n, from_hz, to_hz), options)
+    }
+
+    /// Compute natural frequencies, damping ratios and mode shapes, as the function `modes` does.
+    ///
+    /// Parameters
+    /// ----------
+    /// count : int
+    ///     Number of modes, 1 to 1000; a structure may have fewer.
+    ///
+    /// Returns
+    /// -------
+    /// Modes
+    ///     Frequencies in Hz, damping ratios and shapes.
+    #[pyo3(signature = (count = None))]
+    fn modes<'py>(
+        slf: &Bound<'py, Self>,
+        count: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let options = PyDict::new(slf.py());
+        if let Some(count) = count {
+            options.set_item("count", count)?;
+        }
+        call(("asperity._steady", "modes"), (slf,), options)
+    }
+
+    /// Identify a contact law, or any numbers of this scenario, as the function `identify` does.
+    ///
+    /// Parameters
+    /// ----------
+    /// problem : mapping
+    ///     The problem without its ``scenario``, which is this one: ``unknowns``, ``data`` and the
+    ///     settings; ``schema`` may be left out.
+    /// folder : str or os.PathLike, optional
+    ///     Folder that relative file names in the problem and in the scenario start from; that of the
+    ///     scenario by default.
+    /// progress : callable, optional
+    ///     Called with the estimated fraction done, 0 to 1.
+    /// fast : bool, optional
+    ///     Leave out profiles, the comparison with other laws and the explanations of a misfit.
+    ///
+    /// Returns
+    /// -------
+    /// Identification
+    ///     The law with its band, the fit of the data, and draws from the posterior.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If the problem is not a mapping.
+    /// ValueError
+    ///     If it has a scenario of its own.
+    #[pyo3(signature = (problem, *, folder = None, progress = None, fast = false))]
+    fn identify<'py>(
+        slf: &Bound<'py, Self>,
+        problem: Bound<'py, PyAny>,
+        folder: Option<Bound<'py, PyAny>>,
+        progress: Option<Bound<'py, PyAny>>,
+        fast: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let options = [("folder", folder), ("progress", progress)].into_py_dict(slf.py())?;
+        options.set_item("fast", fast)?;
+        call(("asperity._identify", "identify_in"), (slf, problem), options)
+    }
+
+    /// Write the document to a file, as JSON that the command reads.
+    ///
+    /// Relative file names in the document are rewritten, so that they lead to the same files from there.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     File to write; it appears complete or not at all.
+    /// overwrite : bool
+    ///     Replace an existing file.
+    ///
+    /// Raises
+    /// ------
+    /// FileExistsError
+    ///     If the file exists and is not to be replaced.
+    /// OSError
+    ///     If the file cannot be written.
+    #[pyo3(signature = (path, *, overwrite = false))]
+    fn save(slf: &Bound<'_, Self>, path: Bound<'_, PyAny>, overwrite: bool) -> PyResult<()> {
+        let options = [("overwrite", overwrite)].into_py_dict(slf.py())?;
+        call(("asperity._json", "save"), (slf, path), options).map(drop)
+    }
+
+    /// Folder that relative file names in the document start from.
+    #[getter]
+    fn folder(&self) -> &Path {
+        self.document.folder()
     }
 
     /// The document as a dict, without the defaults.
@@ -128,8 +310,14 @@ impl PyScenario {
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        let other = other.cast::<Self>();
-        other.is_ok_and(|other| other.get().document.value() == self.document.value())
+        other.cast::<Self>().is_ok_and(|other| other.get().sha256() == self.sha256())
+    }
+
+    /// Equal documents have equal hashes, in any order of their keys.
+    fn __hash__(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        self.sha256().hash(&mut hasher);
+        hasher.finish()
     }
 
     /// Pickles and copies are made from the document and its folder.

@@ -22,6 +22,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::figure::PyFigure;
 use crate::scenario::PyScenario;
+use crate::simulate::in_words;
 use crate::{background, columns, exception, json};
 
 /// Results of steady responses: summary, points, backbones, stepped sines, figure.
@@ -31,6 +32,7 @@ struct Found {
     backbones: Option<DataTable>,
     time_sweeps: Option<DataTable>,
     figure: Option<asperity_figure::Figure>,
+    warnings: Vec<(&'static str, String)>,
 }
 
 /// Parameters of a request, as Python gives them.
@@ -106,11 +108,12 @@ fn computed(
             .map(|backbones| backbone_table(backbones, found.is_base_motion)),
         time_sweeps: request.time_sweep.map(|_| steady_time_table(&found)),
         figure: asperity_plot::steady(&found),
+        warnings: in_words(found.levels.iter().flat_map(|level| &level.warnings)),
         summary: SteadySummary::new(scenario.title.clone(), at_rest, &found, provenance),
     })
 }
 
-/// Summary, columns of the branches, of the backbones and of the stepped sines, and figure.
+/// Summary, columns of the branches, of the backbones and of the stepped sines, figure, and warnings.
 #[pyfunction]
 #[pyo3(signature = (scenario, asked, threads, progress))]
 #[expect(clippy::type_complexity, reason = "a tuple of dicts")]
@@ -126,6 +129,7 @@ pub(crate) fn steady<'py>(
     Option<Bound<'py, PyDict>>,
     Option<Bound<'py, PyDict>>,
     Option<PyFigure>,
+    Vec<(&'static str, String)>,
 )> {
     let scenario = PyScenario::of(scenario, None)?;
     let request = asked.request()?;
@@ -141,7 +145,8 @@ pub(crate) fn steady<'py>(
         columns::of_table(py, found.points)?,
         table(found.backbones)?,
         table(found.time_sweeps)?,
-        found.figure.map(PyFigure),
+        found.figure.map(PyFigure::from),
+        found.warnings,
     ))
 }
 
@@ -163,6 +168,6 @@ pub(crate) fn modes<'py>(
     let outcome: Result<_, SimulationError> = background::run(py, None, work)?;
     let (summary, found) = outcome.map_err(|error| exception::of_study(py, &error))?;
     let shapes = modes_columns(&found).into_iter().map(|(name, values)| (name, values.to_vec()));
-    let figure = PyFigure(asperity_plot::modes(&found));
+    let figure = PyFigure::from(asperity_plot::modes(&found));
     Ok((json::to_python(py, &summary)?, columns::to_dict(py, shapes)?, figure))
 }

@@ -45,7 +45,7 @@ pub(crate) fn sweep<'py>(
     let found =
         background::run(py, progress, work)?.ok_or_else(|| exception::no_threads(threads))?;
     let (table, figure) = found.map_err(|error| of_sweep(py, &error))?;
-    Ok((columns::of_table(py, with_numbers(table, count))?, figure.map(PyFigure)))
+    Ok((columns::of_table(py, with_numbers(table, count))?, figure.map(PyFigure::from)))
 }
 
 /// Columns of runs for rows of values.

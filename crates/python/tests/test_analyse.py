@@ -253,7 +253,7 @@ def test_files_that_are_written_read_back(
     for channel, expected in zip(read, channels, strict=True):
         assert (channel["name"], channel["fs"]) == (expected["name"], hammer.RATE)
         np.testing.assert_allclose(channel["data"], expected["data"], rtol=tolerance)
-    with pytest.raises(ValueError, match="exists"):
+    with pytest.raises(FileExistsError, match="overwrite"):
         asperity.write(path, channels, format="uff")
     asperity.write(path, [force], sample_rate_hz=hammer.RATE, format="npz", overwrite=True)
     with pytest.raises(ValueError, match="uff-ascii"):

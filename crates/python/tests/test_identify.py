@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -92,6 +93,23 @@ def test_an_identification_equals_that_of_the_command(
         assert document == written, name
 
 
+def test_an_identification_is_pickled(
+    solved: tuple[Path, asperity.Identification, list[float]],
+) -> None:
+    _, found, _ = solved
+    other = pickle.loads(pickle.dumps(found))
+    assert other == found
+    assert list(other.figures) == list(found.figures)
+    assert other.draws == found.draws
+
+
+def test_a_scenario_identifies_its_own_numbers(problem: dict[str, Any]) -> None:
+    scenario = asperity.Scenario(problem["scenario"])
+    rest = {key: value for key, value in problem.items() if key not in ("schema", "scenario")}
+    found = scenario.identify(rest, fast=True)
+    assert found.estimates == asperity.identify(problem, fast=True).estimates
+
+
 def test_the_law_is_found_and_used(
     solved: tuple[Path, asperity.Identification, list[float]],
 ) -> None:
@@ -116,6 +134,7 @@ def test_the_law_is_found_and_used(
     assert found.posterior.rows == len(found.draws["draws"])
 
 
+@pytest.mark.filterwarnings("ignore::asperity.JudgementWarning")
 def test_an_analysis_enters_without_a_file(tmp_path: Path) -> None:
     hits = []
     for peak in (6.0, 24.0):

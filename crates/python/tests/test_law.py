@@ -249,6 +249,7 @@ def test_a_stiffness_in_python_is_the_law_to_its_tolerance() -> None:
     )
 
 
+@pytest.mark.filterwarnings("ignore::asperity.AsperityWarning")
 def test_a_response_with_a_law_in_python_is_that_of_the_law() -> None:
     scenario = asperity.Scenario(RIG).with_({"/method": "modal", "/duration_s": 0.02})
     expected = asperity.simulate(scenario.with_({"/laws/modified": asperity.laws(scenario)["pl"]}))

@@ -5,7 +5,9 @@ from __future__ import annotations
 import copy
 import json
 import pickle
+from collections import OrderedDict
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -120,6 +122,75 @@ def test_scenarios_are_copied_and_pickled() -> None:
         assert other == scenario
     # Relative files are still found.
     assert pickle.loads(pickle.dumps(scenario)).with_({"/duration_s": 0.02}) is not None
+
+
+def test_equal_scenarios_have_equal_hashes(document: dict[str, Any]) -> None:
+    scenario = asperity.Scenario(RIG)
+    reversed_keys = dict(reversed(document.items()))
+    same = {scenario, asperity.Scenario(document), asperity.Scenario(reversed_keys)}
+    same |= {pickle.loads(pickle.dumps(scenario)), copy.deepcopy(scenario)}
+    assert len(same) == 1
+    assert len(same | {scenario.with_({"/duration_s": 0.05})}) == 2
+
+
+def test_values_come_from_any_mapping() -> None:
+    scenario = asperity.Scenario(RIG)
+    expected = scenario.with_({"/duration_s": 0.05})
+    for mapping in (MappingProxyType({"/duration_s": 0.05}), OrderedDict({"/duration_s": 0.05})):
+        assert scenario.with_(mapping) == expected
+    for other in (None, [("/duration_s", 0.05)], "/duration_s=0.05"):
+        with pytest.raises(TypeError, match="accepted: a mapping"):
+            scenario.with_(other)  # type: ignore[arg-type]
+
+
+def test_methods_give_what_the_functions_give() -> None:
+    scenario = asperity.Scenario(RIG).with_({"/method": "modal"})
+    vary, span = {"/excitation/peak_n": [9, 20]}, (0.2, 850, 900)
+    told: list[float] = []
+    assert scenario.simulate(progress=told.append) == asperity.simulate(scenario)
+    assert told[-1] == 1.0
+    assert scenario.sweep(vary) == asperity.sweep(scenario, vary)
+    assert scenario.sweep(rows=vary, threads=1) == asperity.sweep(scenario, rows=vary)
+    assert scenario.steady(*span, harmonics=3) == asperity.steady(scenario, *span, harmonics=3)
+    assert scenario.modes(2) == asperity.modes(scenario, 2)
+    assert scenario.modes() == asperity.modes(scenario)
+    with pytest.raises(TypeError, match="harmonic"):
+        scenario.steady(*span, harmonic=3)
+    with pytest.raises(TypeError, match="`vary` or `rows`"):
+        scenario.sweep()
+    with pytest.raises(ValueError, match="count"):
+        scenario.modes(0)
+
+
+def test_a_problem_of_a_scenario_is_a_mapping_without_one(document: dict[str, Any]) -> None:
+    scenario = asperity.Scenario(document)
+    with pytest.raises(TypeError, match="accepted: a mapping"):
+        scenario.identify("problem.json")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="scenario of its own"):
+        scenario.identify({"scenario": document})
+    with pytest.raises(asperity.ScenarioError, match="unknowns"):
+        scenario.identify({})
+
+
+def test_a_saved_scenario_is_the_same_wherever_it_is(tmp_path: Path) -> None:
+    scenario = asperity.Scenario(SCENARIOS / "measured-hammer.json").with_({"/title": "Schlag ß"})
+    path = tmp_path / "saved.json"
+    scenario.save(path)
+    saved = asperity.Scenario(path)
+    assert saved.folder == tmp_path
+    # The force is read from the same file, and the rest is unchanged.
+    file = saved.to_dict()["excitation"]["file"]
+    assert (tmp_path / file).resolve() == SCENARIOS / "hammer-hit.csv"
+    assert {**saved.to_dict(), "excitation": None} == {**scenario.to_dict(), "excitation": None}
+    with pytest.raises(FileExistsError, match="overwrite"):
+        scenario.save(path)
+    saved.with_({"/duration_s": 0.02}).save(str(path), overwrite=True)
+    assert asperity.Scenario(path).to_dict()["duration_s"] == 0.02
+    assert [one.name for one in tmp_path.iterdir()] == ["saved.json"]
+    with pytest.raises(FileNotFoundError):
+        scenario.save(tmp_path / "none" / "saved.json")
+    with pytest.raises(TypeError):
+        scenario.save(3)  # type: ignore[arg-type]
 
 
 def test_a_folder_is_the_start_of_relative_files() -> None:

@@ -14,6 +14,7 @@ import asperity
 from conftest import SCENARIOS, assert_same_columns, without_times
 
 
+@pytest.mark.filterwarnings("ignore::asperity.AccuracyWarning")
 @pytest.mark.parametrize(
     "name", ["nouira2020-modified", "nouira2020-compliant-disc", "measured-hammer", "three-body"]
 )
@@ -29,6 +30,7 @@ def test_results_equal_those_of_the_command(
     assert_same_columns(run.frf, tmp_path / "out" / "frf.csv")
 
 
+@pytest.mark.filterwarnings("ignore::asperity.AccuracyWarning")
 def test_finite_differences_equal_those_of_the_command(
     command: Callable[..., dict[str, Any]], tmp_path: Path
 ) -> None:
@@ -59,6 +61,7 @@ def slow_scenario() -> asperity.Scenario:
     )
 
 
+@pytest.mark.filterwarnings("ignore::asperity.AccuracyWarning")
 def test_progress_rises_to_one() -> None:
     told: list[float] = []
     asperity.simulate(SCENARIOS / "nouira2020-power.json", progress=told.append)
@@ -79,6 +82,7 @@ def test_a_progress_function_that_is_none_is_an_error() -> None:
         asperity.simulate(SCENARIOS / "nouira2020-power.json", progress=3)  # type: ignore[arg-type]
 
 
+@pytest.mark.filterwarnings("ignore::asperity.AccuracyWarning")
 def test_threads_that_call_at_once_get_the_same_result() -> None:
     path = SCENARIOS / "nouira2020-power.json"
     alone = asperity.simulate(path)

@@ -57,7 +57,7 @@ def test_rows_are_the_runs_of_their_values() -> None:
 
 
 def test_a_row_that_fails_leaves_the_others() -> None:
-    with pytest.warns(RuntimeWarning, match="1 of 2 runs failed; row 0"):
+    with pytest.warns(asperity.AsperityWarning, match="1 of 2 runs failed; row 0"):
         found = asperity.sweep(RIG, rows={PEAKS: ["loud", 9]})
     assert found.failed == 1
     assert "/excitation/peak_n" in found["error"][0]

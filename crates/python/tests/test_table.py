@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import sys
 from typing import Any
 
 import numpy as np
@@ -136,3 +137,32 @@ def test_a_stream_that_nobody_takes_frees_its_memory() -> None:
         asperity.Table({"x": np.zeros(1000)}).__arrow_c_stream__()
     strided = asperity.Table({"x": np.arange(10.0)[::-2]})
     assert strided.__arrow_c_stream__(None) is not None
+
+
+def test_a_frequency_response_is_one_complex_array() -> None:
+    columns = {"frequency_hz": [1.0, 2.0], "real_m_per_n": [1.0, np.nan], "imag_m_per_n": [-2.0, 0.0]}
+    found = asperity.Table(columns).to_complex()
+    assert found.dtype == np.complex128
+    assert found[0] == 1.0 - 2.0j and np.isnan(found[1].real)
+    with pytest.raises(KeyError, match="frequency_hz"):
+        asperity.Table({"frequency_hz": [1.0]}).to_complex()
+
+
+def test_names_of_columns_are_completed() -> None:
+    table = asperity.Table({"time_s": [1.0], "force_n": [2.0]})
+    assert table._ipython_key_completions_() == ["time_s", "force_n"]
+
+
+def test_a_table_becomes_a_frame() -> None:
+    pandas = pytest.importorskip("pandas")
+    table = asperity.Table({"n": [1, 2], "x": [1.0, np.nan], "ok": [True, False], "t": ["a", "b"]})
+    frame = table.to_pandas()
+    assert list(frame.columns) == list(table) and len(frame) == 2
+    assert asperity.Table(frame) == table
+    assert isinstance(frame, pandas.DataFrame)
+
+
+def test_without_pandas_the_error_names_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(ImportError, match="pip install pandas"):
+        asperity.Table({"x": [1.0]}).to_pandas()

@@ -28,13 +28,17 @@ from ._simulate import Simulation, simulate
 from ._steady import Modes, SteadyResponses, modes, steady
 from ._sweep import Sweep, sweep
 from ._table import Table
+from ._warning import AccuracyWarning, AsperityWarning, JudgementWarning
 
 __all__ = [
+    "AccuracyWarning",
     "Analysis",
+    "AsperityWarning",
     "ComputationError",
     "DecayAnalysis",
     "Figure",
     "Identification",
+    "JudgementWarning",
     "Law",
     "LawTables",
     "Modes",

@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 
 from . import _arrays, _asperity
 from ._measurement import sources, texts
+from ._result import Result
 from ._table import Table
 
 Rig = str | os.PathLike[str] | dict[str, Any]
 
 
-@dataclass(frozen=True)
-class ResponseAnalysis:
+@dataclass(frozen=True, eq=False)
+class ResponseAnalysis(Result):
     """Results of an analysis for one response.
 
     Attributes
@@ -58,8 +59,8 @@ class ResponseAnalysis:
         return "".join(figure.svg() for figure in self.figures.values())
 
 
-@dataclass(frozen=True)
-class Analysis:
+@dataclass(frozen=True, eq=False)
+class Analysis(Result):
     """Results of an analysis of hits; those without a response's name are of the first response.
 
     Attributes
@@ -155,6 +156,12 @@ def _rate_of(rig: Rig | None) -> float | None:
     return rate if isinstance(rate, int | float) and not isinstance(rate, bool) else None
 
 
+def _band(band_hz: tuple[float, float]) -> list[float]:
+    if isinstance(band_hz, str | bytes) or not hasattr(band_hz, "__iter__"):
+        raise TypeError(f"band_hz is {band_hz!r}; accepted: two frequencies in Hz")
+    return [_arrays.number("band_hz", frequency) for frequency in band_hz]
+
+
 def _selector(name: str, channel: str | int) -> str:
     if isinstance(channel, str):
         return channel
@@ -210,7 +217,10 @@ def analyse(
         - Paths of files, folders, and patterns such as ``"hits/*.npy"``; or
         - arrays: of shape (channels, samples) or (samples, channels), or one-dimensional ones that
           were sampled together, with `sample_rate_hz` and `units`; a list of such for several
-          records, or an array of shape (records, channels, samples); or
+          records, or an array of shape (records, channels, samples); masked samples are missing
+          ones, whose hits are dropouts; or
+        - data frames of pandas or polars, or a `Table`: channels have the names of the columns, and
+          the units of names that end with one (``force_n``); times are a column ``time_s``; or
         - SEP005 channels: dicts with ``data``, ``name``, ``unit_str``, and ``fs`` or ``time``; a
           list of lists for several records.
     rig : path or dict, optional
@@ -298,7 +308,7 @@ def analyse(
         "hold_off_s": hold_off_s,
         "estimator": estimator,
         "window": window,
-        "band_hz": None if band_hz is None else list(band_hz),
+        "band_hz": None if band_hz is None else _band(band_hz),
         "high_pass_hz": high_pass_hz,
         "invalid_cells": invalid_cells,
         "keep_all": keep_all,
@@ -323,8 +333,8 @@ def analyse(
     return Analysis(responses, _arrays.table(found["modes"]), found["frfs"])
 
 
-@dataclass(frozen=True)
-class DecayAnalysis:
+@dataclass(frozen=True, eq=False)
+class DecayAnalysis(Result):
     """Results of an analysis of free decays.
 
     Attributes

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._numbers import unmasked
 from ._table import Table
 
 
 def _one_dimension(name: str, value: object, wanted: str) -> NDArray[Any]:
     try:
-        array = np.asarray(value)
+        array = np.asarray(unmasked(value))
     except ValueError as error:
         raise ValueError(f"{name} cannot be an array: {error}") from None
     if array.ndim != 1:

@@ -1,9 +1,15 @@
 import os
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from ._identify import Identification
+from ._simulate import Simulation
+from ._steady import Modes, SteadyResponses
+from ._sweep import Sweep, Values
 
 __all__ = [
     "ComputationError",
@@ -37,6 +43,7 @@ __all__ = [
     "quality_issues",
     "read",
     "response_window",
+    "restore_figure",
     "restore_law",
     "restore_scenario",
     "simulate",
@@ -72,13 +79,38 @@ class Scenario:
         *,
         folder: str | os.PathLike[str] | None = None,
     ) -> Scenario: ...
-    def with_(self, values: dict[str, Any]) -> Scenario: ...
+    def with_(self, values: Mapping[str, Any]) -> Scenario: ...
+    def simulate(self, *, progress: _Progress = None) -> Simulation: ...
+    def sweep(
+        self,
+        vary: Mapping[str, Values] | None = None,
+        *,
+        rows: Mapping[str, Values] | None = None,
+        threads: int | None = None,
+        progress: _Progress = None,
+    ) -> Sweep: ...
+    def steady(
+        self, amplitudes_n: ArrayLike, from_hz: float, to_hz: float, **options: Any
+    ) -> SteadyResponses: ...
+    def modes(self, count: int | None = None) -> Modes: ...
+    def identify(
+        self,
+        problem: Mapping[str, Any],
+        *,
+        folder: str | os.PathLike[str] | None = None,
+        progress: _Progress = None,
+        fast: bool = False,
+    ) -> Identification: ...
+    def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> None: ...
+    @property
+    def folder(self) -> Path: ...
     def to_dict(self) -> dict[str, Any]: ...
     @property
     def title(self) -> str | None: ...
     @property
     def sha256(self) -> str: ...
     def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
 
 @final
 class Law:
@@ -117,6 +149,7 @@ class Law:
     @property
     def measured_range_pa(self) -> tuple[float, float] | None: ...
     def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
 
 @final
 class Figure:
@@ -124,8 +157,11 @@ class Figure:
     def png(self) -> bytes: ...
     def save(self, path: str | os.PathLike[str]) -> None: ...
     def _repr_svg_(self) -> str: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
 
 def arrow_stream(columns: list[tuple[str, NDArray[Any] | list[str]]]) -> object: ...
+def restore_figure(svg: str) -> Figure: ...
 def restore_scenario(text: str, path: str | os.PathLike[str]) -> Scenario: ...
 def restore_law(text: str, reference_pa: float | None) -> Law: ...
 
@@ -272,7 +308,12 @@ class FrequencyResponse:
 
 def simulate(
     scenario: _ScenarioLike, progress: _Progress
-) -> tuple[dict[str, Any], tuple[_Numbers, Figure], tuple[_Numbers, Figure] | None]: ...
+) -> tuple[
+    dict[str, Any],
+    tuple[_Numbers, Figure],
+    tuple[_Numbers, Figure] | None,
+    list[tuple[str, str]],
+]: ...
 def sweep(
     scenario: _ScenarioLike,
     vary: list[tuple[str, str | list[str]]],
@@ -290,7 +331,14 @@ def steady(
     asked: dict[str, Any],
     threads: int | None,
     progress: _Progress,
-) -> tuple[dict[str, Any], _Columns, _Columns | None, _Columns | None, Figure | None]: ...
+) -> tuple[
+    dict[str, Any],
+    _Columns,
+    _Columns | None,
+    _Columns | None,
+    Figure | None,
+    list[tuple[str, str]],
+]: ...
 def modes(scenario: _ScenarioLike, count: int) -> tuple[dict[str, Any], _Numbers, Figure]: ...
 def laws(scenario: _ScenarioLike) -> dict[str, Law]: ...
 def tabulate(scenario: _ScenarioLike) -> tuple[dict[str, _Numbers], Figure | None]: ...

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from . import _arrays, _asperity
+from ._result import Result
 from ._table import Table
+from ._warning import JudgementWarning
 
 
-@dataclass(frozen=True)
-class Identification:
+@dataclass(frozen=True, eq=False)
+class Identification(Result):
     """An identified contact law with its uncertainty.
 
     Attributes
@@ -102,7 +105,8 @@ def identify(
     -------
     Identification
         The law with its band, the fit of the data, and draws from the posterior; ``report["judgement"]``
-        states whether the law may be used (``yes``, ``with_care`` or ``no``), with the reasons.
+        states whether the law may be used (``yes``, ``with_care`` or ``no``), with the reasons; a law
+        that may not be used without care is a `JudgementWarning` too, but for what `fast` left out.
 
     Raises
     ------
@@ -121,6 +125,45 @@ def identify(
     >>> scenario.with_({"/laws/contact": found.law})                           # doctest: +SKIP
     """
     found = _asperity.identify(problem, folder, progress, bool(fast))
+    _tell(found["report"]["judgement"], fast)
+    return _result(found)
+
+
+def identify_in(
+    scenario: _asperity.Scenario,
+    problem: Mapping[str, Any],
+    *,
+    folder: str | os.PathLike[str] | None,
+    progress: Callable[[float], object] | None,
+    fast: bool,
+) -> Identification:
+    """`Scenario.identify`."""
+    if not isinstance(problem, Mapping):
+        kind = type(problem).__name__
+        raise TypeError(f"a problem cannot be of the type {kind}; accepted: a mapping")
+    if "scenario" in problem:
+        raise ValueError("the problem has a scenario of its own; use asperity.identify, or leave it out")
+    whole = {"schema": "asperity/identify/1", **problem, "scenario": scenario.to_dict()}
+    start = scenario.folder if folder is None else folder
+    found = _asperity.identify(whole, start, progress, fast)
+    _tell(found["report"]["judgement"], fast)
+    return _result(found)
+
+
+def _tell(judgement: dict[str, Any], fast: bool) -> None:
+    """Warns the caller of the function that calls this one of a law that is not free to use; what
+    was left out on request is no reason."""
+    reasons = [
+        reason["words"]
+        for reason in judgement["reasons"]
+        if reason["use"] != "yes" and not (fast and reason["kind"] == "incomplete")
+    ]
+    if reasons:
+        words = "is not to be used" if judgement["use"] == "no" else "may be used with care"
+        warnings.warn(f"the result {words}: {' '.join(reasons)}", JudgementWarning, stacklevel=3)
+
+
+def _result(found: dict[str, Any]) -> Identification:
     return Identification(
         report=found["report"],
         law=found["law"],

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
+import secrets
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -35,3 +38,44 @@ def _cells(column: NDArray[Any]) -> list[Any]:
 def text_of(value: object) -> str:
     """JSON text of `value`; numbers that are not finite are a ValueError."""
     return json.dumps(value, allow_nan=False, default=_plain)
+
+
+def save(scenario: _asperity.Scenario, path: str | os.PathLike[str], *, overwrite: bool) -> None:
+    """`Scenario.save`."""
+    target = Path(path)
+    if not overwrite and target.exists():
+        raise FileExistsError(f"{target}: the file exists; overwrite=True replaces it")
+    document = _moved(scenario.to_dict(), Path(scenario.folder).absolute(), target.absolute().parent)
+    # Renamed when it is complete: readers see the old file or the new one.
+    partial = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
+    try:
+        with partial.open("x", encoding="utf-8", newline="\n") as file:
+            json.dump(document, file, indent=2, ensure_ascii=False)
+            file.write("\n")
+        os.replace(partial, target)
+    except BaseException:
+        partial.unlink(missing_ok=True)
+        raise
+
+
+def _moved(value: Any, old: Path, new: Path) -> Any:
+    """A document for another folder: each relative ``file`` leads to the same file."""
+    if isinstance(value, dict):
+        return {
+            key: _led(member, old, new)
+            if key == "file" and isinstance(member, str)
+            else _moved(member, old, new)
+            for key, member in value.items()
+        }
+    if isinstance(value, list):
+        return [_moved(member, old, new) for member in value]
+    return value
+
+
+def _led(name: str, old: Path, new: Path) -> str:
+    if old == new or os.path.isabs(name):
+        return name
+    try:
+        return Path(os.path.relpath(old / name, new)).as_posix()
+    except ValueError:  # another drive
+        return (old / name).as_posix()

@@ -55,6 +55,10 @@ class LawTables(Mapping[str, Table]):
     def __len__(self) -> int:
         return len(self._tables)
 
+    def _ipython_key_completions_(self) -> list[str]:
+        """The names of the laws, for notebooks."""
+        return list(self)
+
     def __repr__(self) -> str:
         return f"<asperity.LawTables: {', '.join(self._tables)}>"
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _arrays, _asperity
+from ._numbers import columns_of, is_frame, is_series, unmasked
 from ._table import Table
 
 Path = str | os.PathLike[str]
@@ -19,8 +20,8 @@ Channel = Mapping[str, Any]
 
 _ACCEPTED = (
     "accepted: a path or several, an array of shape (channels, samples) or (samples, channels), "
-    "one-dimensional arrays sampled together, or SEP005 channels (dicts with data, name, "
-    "unit_str, and fs or time); for several records a list of any of the last three"
+    "one-dimensional arrays or Series sampled together, a DataFrame or Table, or SEP005 channels "
+    "(dicts with data, name, unit_str, and fs or time); for several records a list of any but paths"
 )
 _QUANTITIES = ("f", "a", "v", "d", "e", "s")
 
@@ -95,6 +96,41 @@ def _unnamed(
     ]
 
 
+def _named(columns: Iterable[Any], sample_rate_hz: float | None) -> list[dict[str, Any]]:
+    """Columns of data frames as channels with the names of the columns."""
+    columns = list(columns)
+    found = _unnamed([unmasked(column) for column in columns], sample_rate_hz)
+    for channel, column in zip(found, columns, strict=True):
+        if column.name is not None:
+            channel["name"] = str(column.name)
+    return found
+
+
+def _of_frame(frame: Any, sample_rate_hz: float | None) -> list[dict[str, Any]]:
+    """A data frame or table as channels: names are those of the columns, units the endings of the
+    names, and times a column ``time_s``."""
+    named = frame if isinstance(frame, Table) else columns_of(frame)
+    columns = {str(name): unmasked(values) for name, values in named.items()}
+    times = columns.pop("time_s", None)
+    if times is None and sample_rate_hz is None:
+        raise ValueError("there is no column 'time_s' and no sample rate; give sample_rate_hz")
+    timing: dict[str, Any] = {"time": times}
+    if sample_rate_hz is not None:
+        timing = {"fs": sample_rate_hz}
+    elif (rate := _asperity.even_rate(_arrays.real("time_s", times))) is not None:
+        timing = {"fs": rate, "time": times}
+    return [
+        _channel({"data": data, "name": name, "unit_str": _unit_of(name)[1], **timing}, name)
+        for name, data in columns.items()
+    ]
+
+
+def _unit_of(column: str) -> tuple[str, str]:
+    """Ending of a column's name and its unit; both empty for an unknown one."""
+    ending = max((one for one in _UNITS if column.endswith(one)), key=len, default="")
+    return ending, _UNITS.get(ending, "")
+
+
 def _columns(array: NDArray[Any], sample_axis: str | None) -> NDArray[Any]:
     """An array of shape (channels, samples)."""
     rows, columns = array.shape
@@ -111,16 +147,22 @@ def _record(
     value: Any, sample_rate_hz: float | None, sample_axis: str | None
 ) -> list[dict[str, Any]] | None:
     """The channels of one record; None for something else."""
+    if isinstance(value, Table) or is_frame(value):
+        return _of_frame(value, sample_rate_hz)
     if isinstance(value, Mapping):
         return [_channel(value, "the channel")]
+    if is_series(value):
+        return _named([value], sample_rate_hz)
     if isinstance(value, np.ndarray):
         if value.ndim == 2:
             return _unnamed(_columns(value, sample_axis), sample_rate_hz)
         return _unnamed([value], sample_rate_hz) if value.ndim == 1 else None
     if not _is_sequence(value) or len(value) == 0:
         return None
-    if all(isinstance(channel, Mapping) for channel in value):
+    if all(isinstance(channel, Mapping) and not isinstance(channel, Table) for channel in value):
         return [_channel(channel, f"channel {n}") for n, channel in enumerate(value, start=1)]
+    if all(is_series(column) for column in value):
+        return _named(value, sample_rate_hz)
     if all(isinstance(column, np.ndarray) and column.ndim == 1 for column in value):
         return _unnamed(value, sample_rate_hz)
     return None
@@ -263,7 +305,9 @@ def write(
     TypeError
         If `source` is none of the above.
     ValueError
-        If a channel or an option is not valid, the format cannot hold the channels, or the file exists.
+        If a channel or an option is not valid, or the format cannot hold the channels.
+    FileExistsError
+        If the file exists and is not to be replaced.
     OSError
         If the file cannot be written.
     """
@@ -291,7 +335,7 @@ def to_sep005(table: Table | Mapping[str, Any]) -> list[dict[str, Any]]:
 
     Parameters
     ----------
-    table : Table or mapping
+    table : Table, mapping or data frame
         Columns of equal length, one of them ``time_s``, evenly spaced.
 
     Returns
@@ -313,6 +357,8 @@ def to_sep005(table: Table | Mapping[str, Any]) -> list[dict[str, Any]]:
     >>> run = asperity.simulate("rig.json")                           # doctest: +SKIP
     >>> asperity.analyse(asperity.to_sep005(run.history), ...)        # doctest: +SKIP
     """
+    if is_frame(table):
+        table = columns_of(table)
     if "time_s" not in table:
         raise ValueError(f"there is no column 'time_s'; the columns are {', '.join(table)}")
     times = _arrays.real("time_s", table["time_s"])
@@ -321,14 +367,14 @@ def to_sep005(table: Table | Mapping[str, Any]) -> list[dict[str, Any]]:
         raise ValueError("the steps of time_s are not equal")
     channels = []
     for column, values in table.items():
-        if column == "time_s" or np.asarray(values).dtype.kind not in "fiu":
+        data = np.asarray(unmasked(values))
+        if column == "time_s" or data.dtype.kind not in "fiu":
             continue
-        endings = [ending for ending in _UNITS if column.endswith(ending)]
-        ending = max(endings, key=len, default="")
+        ending, unit = _unit_of(column)
         channel = {
             "name": column.removesuffix(ending),
-            "unit_str": _UNITS.get(ending, ""),
-            "data": np.asarray(values),
+            "unit_str": unit,
+            "data": data,
             "fs": rate,
         }
         if times[0] != 0.0:

@@ -18,10 +18,8 @@ def numbers(values: ArrayLike, name: str) -> NDArray[np.float64]:
     ValueError
         If nested lists have unequal lengths.
     """
-    if isinstance(values, np.ma.MaskedArray):
-        values = np.ma.filled(values.astype(np.float64), np.nan)
     try:
-        array: NDArray[Any] = np.asarray(values)
+        array: NDArray[Any] = np.asarray(unmasked(values))
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from None
     if array.dtype.kind not in "fiu":
@@ -29,6 +27,40 @@ def numbers(values: ArrayLike, name: str) -> NDArray[np.float64]:
     shape = array.shape
     found = np.require(array, dtype=np.float64, requirements=["C", "A"])
     return found.reshape(shape)
+
+
+def unmasked(values: Any) -> Any:
+    """The values with NaN where they are masked; a column of a data frame as an array."""
+    if isinstance(values, np.ma.MaskedArray):
+        if not np.ma.is_masked(values) or values.dtype.kind not in "fiuc":
+            return values.data
+        wanted = values.dtype if values.dtype.kind in "fc" else np.dtype(np.float64)
+        return np.ma.filled(values.astype(wanted), np.nan)
+    if is_series(values):
+        array = values.to_numpy()
+        if array.dtype.kind == "O" and hasattr(values, "isna"):
+            # Nullable numbers of pandas.
+            try:
+                return values.to_numpy(dtype=np.float64, na_value=np.nan)
+            except (TypeError, ValueError):
+                return array
+        return array
+    return values
+
+
+def is_series(value: object) -> bool:
+    """True for a column of a data frame: of pandas, polars and the like."""
+    return hasattr(value, "to_numpy") and hasattr(value, "name") and not is_frame(value)
+
+
+def is_frame(value: object) -> bool:
+    """True for a data frame: of pandas, polars and the like."""
+    return hasattr(value, "to_numpy") and hasattr(value, "columns")
+
+
+def columns_of(frame: Any) -> dict[str, Any]:
+    """The columns of a data frame by their names."""
+    return {name: frame[name] for name in frame.columns}
 
 
 def column(values: ArrayLike, name: str) -> list[float]:

@@ -8,13 +8,15 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from . import _asperity
+from ._result import Result
 from ._table import Table
+from ._warning import tell
 
 ScenarioLike = _asperity.Scenario | str | os.PathLike[str] | dict[str, Any]
 
 
-@dataclass(frozen=True)
-class Simulation:
+@dataclass(frozen=True, eq=False)
+class Simulation(Result):
     """Response of a scenario to its force.
 
     Attributes
@@ -51,7 +53,8 @@ def simulate(
 ) -> Simulation:
     """Simulate the response to the force of a scenario.
 
-    Other Python threads run meanwhile, and Ctrl-C stops the call.
+    Other Python threads run meanwhile, and Ctrl-C stops the call. What ``summary["warnings"]`` has is
+    also a warning of Python, an `AsperityWarning`.
 
     Parameters
     ----------
@@ -77,6 +80,7 @@ def simulate(
     ComputationError
         If the integration fails.
     """
-    summary, (history, history_figure), frf = _asperity.simulate(scenario, progress)
+    summary, (history, history_figure), frf, doubts = _asperity.simulate(scenario, progress)
+    tell(doubts)
     receptance, frf_figure = (None, None) if frf is None else (Table(frf[0]), frf[1])
     return Simulation(summary, Table(history), receptance, history_figure, frf_figure)

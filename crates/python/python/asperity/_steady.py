@@ -12,12 +12,14 @@ from numpy.typing import ArrayLike
 
 from . import _arrays, _asperity
 from ._numbers import column, numbers
+from ._result import Result
 from ._simulate import ScenarioLike
 from ._table import Table
+from ._warning import AsperityWarning, tell
 
 
-@dataclass(frozen=True)
-class SteadyResponses:
+@dataclass(frozen=True, eq=False)
+class SteadyResponses(Result):
     """Branches of periodic responses to a harmonic force or motion of the base.
 
     Attributes
@@ -110,7 +112,8 @@ def steady(
 
     Of the excitation of the scenario its place counts (the top by default), or that it is a motion of
     the base; its time function has no part in them. An amplitude whose branch is not found does
-    not end the others: its error is in the summary, and a RuntimeWarning tells of it.
+    not end the others: its error is in the summary, and an `AsperityWarning` tells of it;
+    warnings about the responses, in the summary too, are an `AsperityWarning` or `AccuracyWarning`.
 
     Parameters
     ----------
@@ -146,7 +149,7 @@ def steady(
     ScenarioError
         If the scenario is not valid.
     TypeError
-        If the amplitudes are not real numbers.
+        If the amplitudes or frequencies are not real numbers.
     ValueError
         If the request is out of range.
     ComputationError
@@ -154,8 +157,8 @@ def steady(
     """
     asked = {
         "amplitudes_n": column(np.atleast_1d(numbers(amplitudes_n, "amplitudes_n")), "amplitudes_n"),
-        "from_hz": from_hz,
-        "to_hz": to_hz,
+        "from_hz": _arrays.number("from_hz", from_hz),
+        "to_hz": _arrays.number("to_hz", to_hz),
         "harmonics": None if harmonics is None else _arrays.count("harmonics", harmonics, 1, 400),
         "backbone": bool(backbone),
         "verify": bool(verify),
@@ -163,7 +166,7 @@ def steady(
         "time_sweep": time_sweep,
         "time_sweep_points": time_sweep_points,
     }
-    summary, points, backbones, sweeps, figure = _asperity.steady(
+    summary, points, backbones, sweeps, figure, doubts = _asperity.steady(
         scenario, asked, _arrays.threads(threads), progress
     )
     failed = [level for level in summary["levels"] if "error" in level]
@@ -172,7 +175,8 @@ def steady(
         force, base = failed[0].get("force_n"), failed[0].get("base_acceleration_m_per_s2")
         text += f"{base} m/s^2" if force is None else f"{force} N"
         text += f": {failed[0]['error']}"
-        warnings.warn(text, RuntimeWarning, stacklevel=2)
+        warnings.warn(text, AsperityWarning, stacklevel=2)
+    tell(doubts)
     return SteadyResponses(
         summary,
         Table(points),
@@ -182,8 +186,8 @@ def steady(
     )
 
 
-@dataclass(frozen=True)
-class Modes:
+@dataclass(frozen=True, eq=False)
+class Modes(Result):
     """Modes linearised about static equilibrium.
 
     Attributes

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import warnings
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -12,8 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _asperity
 from ._json import text_of
+from ._numbers import columns_of, is_frame, is_series, unmasked
 from ._simulate import ScenarioLike
 from ._table import Table
+from ._warning import AsperityWarning, tell
 
 Values = str | Sequence[Any] | NDArray[Any]
 
@@ -39,6 +42,9 @@ class Sweep(Table):
         super().__init__(columns)
         self.figure = figure
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.to_dict(), self.figure)
+
     @property
     def failed(self) -> int:
         """Number of runs that failed."""
@@ -61,7 +67,8 @@ def sweep(
 
     Runs go over all cores; modal ones many at a time in the lanes of vectors. Results do not depend
     on the number of threads. A run that fails does not end the others: its error is in its row, and
-    a RuntimeWarning tells the number of such runs.
+    an `AsperityWarning` tells the number of such runs. For each kind of warning in the
+    column ``warnings`` one warning of Python tells the number of its runs.
 
     Parameters
     ----------
@@ -72,7 +79,8 @@ def sweep(
         are an array, a list of anything that a scenario may hold there, or text as the command
         takes it, such as ``"9:32:24"``.
     rows : mapping
-        Instead of `vary`: arrays or lists of equal lengths by JSON Pointer; run ``i`` takes the
+        Instead of `vary`: arrays or lists of equal lengths by JSON Pointer, or a data frame whose
+        columns have pointers as names; run ``i`` takes the
         value ``i`` of each. An invalid value is an error of its row.
     threads : int, optional
         Number of threads; all cores by default.
@@ -90,9 +98,10 @@ def sweep(
     ScenarioError
         If the scenario, or with `vary` a combination of values, is not valid.
     TypeError
-        If both or none of `vary` and `rows` are given, or values are no array, list or text.
+        If both or none of `vary` and `rows` are given, they are no mapping, or values are no array,
+        list or text.
     ValueError
-        If there is nothing to vary, the lengths of `rows` differ, or the sweep is too large.
+        If a value is masked or not finite, there is nothing to vary, the lengths of `rows` differ, or the sweep is too large.
 
     Examples
     --------
@@ -101,6 +110,12 @@ def sweep(
     """
     if (vary is None) == (rows is None):
         raise TypeError("sweep takes either `vary` or `rows`")
+    if is_frame(rows):
+        rows = columns_of(rows)
+    for name, values in (("vary", vary), ("rows", rows)):
+        if values is not None and not isinstance(values, Mapping):
+            kind = type(values).__name__
+            raise TypeError(f"{name} cannot be of the type {kind}; accepted: a mapping by JSON Pointer")
     cores = _arrays.threads(threads)
     if rows is not None:
         columns = [(_pointer(key), _texts(key, values)) for key, values in rows.items()]
@@ -120,7 +135,12 @@ def sweep(
     if found.failed:
         first = int(np.flatnonzero(found["error"])[0])
         text = f"{found.failed} of {found.rows} runs failed; row {first}: {found['error'][first]}"
-        warnings.warn(text, RuntimeWarning, stacklevel=2)
+        warnings.warn(text, AsperityWarning, stacklevel=2)
+    kinds = Counter(kind for text in found["warnings"].tolist() for kind in text.split())
+    tell(
+        (kind, f"{runs} of {found.rows} runs; the column 'warnings' names them")
+        for kind, runs in kinds.items()
+    )
     return found
 
 
@@ -132,6 +152,10 @@ def _pointer(key: object) -> str:
 
 def _texts(key: str, values: Values) -> list[str]:
     """JSON text of each value; a text that is not JSON stands for itself, as in the command."""
+    if np.ma.is_masked(values):
+        raise ValueError(f"{key}: a masked value cannot be in a scenario")
+    if is_series(values):
+        values = unmasked(values)
     if isinstance(values, np.ndarray) and values.ndim > 0:
         if values.dtype.kind == "f" and values.ndim == 1:
             if not np.all(np.isfinite(values)):

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _asperity
+from ._numbers import columns_of, is_frame, unmasked
+from ._result import same
 
 # Rows that a notebook shows: so many from the start and from the end of a longer table.
 _SHOWN = 5
@@ -22,12 +24,13 @@ class Table(Mapping[str, NDArray[Any]]):
     type float64 (NaN where there is no value), int64, bool or str. It offers the Arrow C stream:
     ``polars.DataFrame(table)``, ``pyarrow.table(table)`` and
     ``pandas.DataFrame.from_arrow(table)`` take its numbers without a copy, and
-    ``pandas.DataFrame(dict(table))`` works in all versions. Notebooks show its first and last rows.
+    ``table.to_pandas()`` works in all versions. Notebooks show its first and last rows.
 
     Parameters
     ----------
-    columns : Mapping
-        One-dimensional arrays, or lists, by name: numbers, integers, truth values or texts.
+    columns : mapping or data frame
+        One-dimensional arrays, or lists, by name: numbers, integers, truth values or texts; or a
+        ``DataFrame`` of pandas or polars.
         Numbers of other widths and byte orders become float64 and int64.
 
     Raises
@@ -43,6 +46,11 @@ class Table(Mapping[str, NDArray[Any]]):
     __slots__ = ("_columns",)
 
     def __init__(self, columns: Mapping[str, ArrayLike]) -> None:
+        if is_frame(columns):
+            columns = {name: unmasked(values) for name, values in columns_of(columns).items()}
+        if not isinstance(columns, Mapping):
+            kind = type(columns).__name__
+            raise TypeError(f"columns cannot be of the type {kind}; accepted: a mapping from names to columns")
         arrays = {name: _column(name, values) for name, values in columns.items()}
         lengths = {len(values) for values in arrays.values()}
         if len(lengths) > 1:
@@ -70,6 +78,58 @@ class Table(Mapping[str, NDArray[Any]]):
     def to_dict(self) -> dict[str, NDArray[Any]]:
         """The arrays by name; they share the memory of the table."""
         return dict(self._columns)
+
+    def to_complex(self) -> NDArray[np.complex128]:
+        """The frequency response of a table such as ``frf``, as one array.
+
+        Returns
+        -------
+        ndarray of shape (rows,)
+            Of the columns ``real`` and ``imag``, which may end with a unit, in their unit.
+
+        Raises
+        ------
+        KeyError
+            If the table does not have one pair of such columns.
+        """
+        real = [name for name in self if name == "real" or name.startswith("real_")]
+        pairs = [(name, "imag" + name.removeprefix("real")) for name in real]
+        pairs = [pair for pair in pairs if pair[1] in self]
+        if len(pairs) != 1:
+            raise KeyError(f"no pair of columns 'real' and 'imag'; the table has {', '.join(self)}")
+        ((real_name, imag_name),) = pairs
+        found = np.empty(self.rows, dtype=np.complex128)
+        found.real, found.imag = self[real_name], self[imag_name]
+        return found
+
+    def to_pandas(self) -> Any:
+        """The table as a ``pandas.DataFrame``, with its columns in their order.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed; the package does not install it.
+        """
+        try:
+            import pandas  # type: ignore[import-not-found,import-untyped,unused-ignore]
+        except ImportError as error:
+            raise ImportError("to_pandas needs the package pandas: pip install pandas") from error
+        return pandas.DataFrame(self._columns)
+
+    def __eq__(self, other: object) -> bool:
+        """True for a table of the same columns in the same order; NaN equals NaN."""
+        if not isinstance(other, Table):
+            return NotImplemented
+        return list(self) == list(other) and same(self._columns, other._columns)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.to_dict(),)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        """The names of the columns, for notebooks."""
+        return list(self)
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
         """The columns as a stream of one batch (Arrow PyCapsule interface)."""
