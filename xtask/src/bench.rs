@@ -23,6 +23,7 @@ const AMPLITUDES: [&str; 2] =
 pub(crate) fn run() -> Result<bool> {
     for (package, bench) in [
         ("asperity-dynamics", "modal"),
+        ("asperity-dynamics", "loss_of_contact"),
         ("asperity-dynamics", "finite_difference"),
         ("asperity-harmonic", "continuation"),
     ] {
