@@ -21,8 +21,8 @@ struct KnownLaw {
     built: Weak<dyn ContactLaw>,
 }
 
-/// The law that `reference` stands for among `laws`, as [`Laws::build`] builds it. Scenarios that are alone in
-/// another number than those of their laws have the same, and its tables.
+/// The law that `reference` stands for among `laws`, as [`Laws::build`] builds it. Scenarios that
+/// differ in other numbers only share the law, and its tables.
 ///
 /// # Errors
 /// As [`Laws::build`].

@@ -139,7 +139,7 @@ fn results_do_not_depend_on_threads_or_other_runs() {
 
 /// `K_avr` has one definition: a sweep and a single run agree to rounding with either method,
 /// also with short records and other output rates; where contact is lost and the steps of a modal run vary,
-/// those of the single run end at its samples, to far below the accuracy.
+/// the single run has its own steps, which end at its samples: agreement far below the accuracy.
 #[test]
 fn average_stiffness_is_that_of_a_single_run() {
     for (method, rate) in [("modal", "200000"), ("modal", "7000"), ("finite_difference", "50000")] {
