@@ -12,7 +12,7 @@ use crate::{ContactSystem, HarmonicError, LawEvaluation, PeriodicResponse, Press
 /// Offsets of pressure below this part of the pressure are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Most modes whose kinetic energy is compared with that of the bodies.
+/// Most modes whose kinetic energy is compared with the energy of the condensed bodies.
 const MOST_MODES: usize = 40;
 
 /// A stack without the inertia of some bodies between contacts.

@@ -219,7 +219,7 @@ fn cap_on_block(block_kg: f64) -> Assembly {
     Assembly::new(&document.scenario().unwrap(), document.folder()).unwrap()
 }
 
-/// A heavy body keeps its inertia where contact is lost, and the branch is that of time integration; a body
+/// A heavy body keeps its inertia where contact is lost, and the branch agrees with time integration; a body
 /// with little of the kinetic energy is condensed.
 #[test]
 fn a_heavy_body_on_a_stiff_contact_keeps_its_inertia() {

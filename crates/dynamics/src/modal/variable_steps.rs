@@ -38,9 +38,6 @@ use crate::error::{balanced, positive};
 use crate::{DynamicsError, History, InstructionSet, Sampling, Transient};
 use integration::Integration;
 
-/// Tolerance of a case without one.
-const TOLERANCE: f64 = 1e-4;
-
 /// Base steps of a case, and the error of the tractions within a step.
 #[derive(Debug, Clone, Copy)]
 struct StepControl {
@@ -55,7 +52,8 @@ struct StepControl {
 impl StepControl {
     fn of(case: &TransientCase) -> Result<Self, DynamicsError> {
         let (base, steps) = case.first_step()?;
-        let (quantity, value) = ("tolerance of steps", case.tolerance.unwrap_or(TOLERANCE));
+        // Not a number without one, which is refused.
+        let (quantity, value) = ("tolerance of steps", case.tolerance.unwrap_or(f64::NAN));
         if case.model.preloaded().friction().is_some() {
             let accepted = "none for a structure with friction";
             return Err(DynamicsError::Setting { quantity, value, accepted });

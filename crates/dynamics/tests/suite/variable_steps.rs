@@ -8,7 +8,9 @@ use crate::contact_damping::closures;
 use crate::damped_engines::{case, off};
 use crate::support::half_spaces::{self, relative_norm, window};
 use crate::support::{AREA, Law, damped, modified, power, pulse, rig, run_at, slope};
-use asperity_dynamics::{Batch, Decimation, DynamicsError, Modal, Sampling, TransientCase};
+use asperity_dynamics::{
+    Batch, Decimation, DynamicsError, Modal, ParameterVariation, STENCIL, Sampling, TransientCase,
+};
 use asperity_law::{Constant, ContactDamping, Friction};
 use asperity_mesh::{Body, Interface, Port, Stack, Support};
 use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
@@ -220,6 +222,27 @@ fn responses_at_steps_of_their_own_do_not_depend_on_other_cases() {
         assert_eq!(&run(std::slice::from_ref(case))[0], found);
     }
     assert_ne!(together[1], together[3]);
+}
+
+/// A case at steps of its own is differentiated at equal steps of a sixteenth.
+#[test]
+fn derivatives_are_of_short_equal_steps() {
+    let structure = PreloadedStructure::new(rig(&power()), Damping::Ratio(0.035)).unwrap();
+    let sampling = Sampling::new(4e-3, 2e5).unwrap();
+    let case = |peak: f64, method: Modal| {
+        method.case(&structure, &pulse(peak), &[Port::TOP], &sampling).unwrap()
+    };
+    let step = 1e-3;
+    let derivative = |method: Modal| {
+        let cases = STENCIL.map(|place| case(32.0 + place * step, method));
+        let variation = ParameterVariation { cases, step };
+        let found = Batch::default().sensitivity(&case(32.0, method), &[variation]).unwrap();
+        assert!(found.values.contacts[0].pressure_min == 0.0);
+        found.derivatives[0].displacement.clone()
+    };
+    let own = variable(1e-6, Some(1e-5), 4);
+    let equal = Modal { step: Some(1e-5 / 16.0), tolerance: None, ..own };
+    assert_eq!(derivative(own), derivative(equal));
 }
 
 /// Friction, and a tolerance that is none, are refused by name.

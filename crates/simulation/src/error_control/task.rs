@@ -300,7 +300,8 @@ impl<'a> Task<'a> {
             return ErrorEstimate::unknown(fine.observables.all(), self.accuracy());
         }
         // Of second order while contact holds; of first where it is lost, or where friction begins to
-        // slip. At steps of its own, of about the root of the tolerance.
+        // slip. At steps of its own, of no
+        // certain order: half the difference is a bound by experience.
         let kinks = fine.loses_contact() || other.loses_contact() || fine.has_friction();
         let divisor = match (self.compares_with_half(), kinks) {
             _ if self.varies_steps() => 2.0,
