@@ -2,16 +2,14 @@
 
 use std::f64::consts::PI;
 
-use faer::{Mat, Side};
+use faer::Mat;
 
+use crate::component_modes::massless_modes;
 use crate::mode_count::{checked_count, first_frequency};
 use crate::{
     Body, ComponentModes, MeshError, ModeCount, NormalMode, Port, PortPair, ResidualFlexibility,
     Stack, Support,
 };
-
-/// Part of the largest eigenvalue of a body's residual flexibility below which it is rounding.
-const ROUNDING: f64 = 1e-13;
 
 impl ComponentModes {
     /// The free-free modes of every bar of `stack` in closed form, and its support, with the given
@@ -177,22 +175,8 @@ impl Bar<'_> {
             return;
         }
         let matrix = Mat::from_fn(places.len(), places.len(), |i, j| left(places[i], places[j]));
-        // A symmetric matrix of numbers has its eigenvalues; without them nothing yields.
-        let Ok(found) = matrix.self_adjoint_eigen(Side::Lower) else { return };
-        let values = found.S().column_vector();
-        let largest = values.iter().copied().fold(0.0, f64::max);
         let w = kept as f64 * first_frequency(self.body);
-        for k in (0..places.len()).filter(|&k| values[k] > ROUNDING * largest) {
-            let mut participations = vec![0.0; all.len()];
-            for (i, &(port, _)) in places.iter().enumerate() {
-                participations[port] = w * values[k].sqrt() * found.U()[(i, k)];
-            }
-            modes.push(NormalMode {
-                mass_damped: false,
-                damping_rate: time * w * w,
-                massless: true,
-                ..NormalMode::elastic(w, participations)
-            });
-        }
+        let ports: Vec<usize> = places.iter().map(|place| place.0).collect();
+        modes.extend(massless_modes(&matrix, (&ports, all.len()), w, time));
     }
 }

@@ -1,5 +1,7 @@
 //! Component modes: free-interface normal modes with residual flexibility at ports.
 
+use faer::{Mat, Side};
+
 use crate::PortPair;
 use crate::error::{MeshError, not_negative};
 
@@ -71,6 +73,11 @@ impl ResidualFlexibility {
         }
     }
 
+    /// Number of ports.
+    pub fn ports(&self) -> usize {
+        self.ports
+    }
+
     /// Displacement of port `a` per force at port `b` \[m/N\].
     pub fn get(&self, a: usize, b: usize) -> f64 {
         self.entries[a * self.ports + b]
@@ -99,6 +106,37 @@ impl ResidualFlexibility {
             }
         }
     }
+}
+
+/// Part of the largest eigenvalue of a residual flexibility below which it is rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// Massless modes of the `flexibility` \[m/N\] between some `ports` of a number of them, one for each
+/// of its eigenvectors, written with the angular frequency `w` \[rad/s\], for which any may be taken, under a
+/// retardation time \[s\].
+pub(crate) fn massless_modes(
+    flexibility: &Mat<f64>,
+    (ports, count): (&[usize], usize),
+    w: f64,
+    retardation_time: f64,
+) -> Vec<NormalMode> {
+    // A symmetric matrix of numbers has its eigenvalues; without them nothing yields.
+    let Ok(found) = flexibility.self_adjoint_eigen(Side::Lower) else { return Vec::new() };
+    let values = found.S().column_vector();
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let mode = |k: usize| {
+        let mut participations = vec![0.0; count];
+        for (i, &port) in ports.iter().enumerate() {
+            participations[port] = w * values[k].sqrt() * found.U()[(i, k)];
+        }
+        NormalMode {
+            mass_damped: false,
+            damping_rate: retardation_time * w * w,
+            massless: true,
+            ..NormalMode::elastic(w, participations)
+        }
+    };
+    (0..ports.len()).filter(|&k| values[k] > ROUNDING * largest).map(mode).collect()
 }
 
 /// Free-interface normal modes and residual flexibility of a structure with open contacts.

@@ -24,6 +24,8 @@
 //! | [`bar_modes`] | component modes of bars in closed form |
 //! | [`mode_count`] | number of modes kept, by count or by error bound |
 //! | [`matrix_modes`] | component modes of mass and stiffness matrices |
+//! | [`sparse_body`] | a body given by sparse mass and stiffness matrices |
+//! | [`reduction`] | its lowest modes, and the flexibility of all others at ports |
 //! | [`bar_stiffness`] | the closed-form dynamic stiffness of a bar, for exact modes |
 //!
 //! The convention throughout: `x` and `u` point down, lengths in metres, forces in newtons,
@@ -58,6 +60,8 @@ pub mod grid;
 pub mod matrix_modes;
 pub mod mode_count;
 pub mod port;
+pub mod reduction;
+pub mod sparse_body;
 pub mod stack;
 
 pub use bar_stiffness::BarStiffness;
@@ -68,4 +72,6 @@ pub use error::MeshError;
 pub use grid::{BarGrid, Grid};
 pub use mode_count::ModeCount;
 pub use port::{Port, PortPair};
+pub use reduction::{PortPattern, ReducedBody};
+pub use sparse_body::SparseBody;
 pub use stack::{Interface, Stack, Support, static_pressures};

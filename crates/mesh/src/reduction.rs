@@ -1,0 +1,246 @@
+//! Reduction of a sparse body to component modes.
+
+mod dissection;
+mod factor;
+mod lanczos;
+
+use faer::Mat;
+
+use crate::component_modes::massless_modes;
+use crate::{ComponentModes, MeshError, NormalMode, PortPair, ResidualFlexibility, SparseBody};
+use factor::Factor;
+use lanczos::Eigenpairs;
+
+/// First shift over the typical square of a row's own frequency.
+const FIRST_SHIFT: f64 = 1e-7;
+
+/// The shift over the lowest elastic square, and the largest that is kept.
+const SHIFT: f64 = 0.0025;
+const LARGEST_SHIFT: f64 = 1.0;
+
+/// Square over the typical one up to which a mode counts as rigid: rounding of matrices that are
+/// written with 14 digits.
+const RIGID: f64 = 1e-12;
+
+/// Modes beyond those asked for, which are found as well, until at least one of them is elastic.
+const FURTHER: usize = 8;
+
+/// Most modes of a body.
+pub const MOST_REDUCED_MODES: usize = 2000;
+
+/// Ports whose flexibility is computed at once.
+const AT_ONCE: usize = 64;
+
+/// A port of a [`SparseBody`]: rows and their weights \[-\], a unit load pattern and the displacement
+/// average that it works on.
+pub type PortPattern = Vec<(usize, f64)>;
+
+/// A body in its lowest free modes, with the flexibility of all others at ports.
+///
+/// ```text
+/// K phi_n = w_n^2 M phi_n,    phi_n^T M phi_n = 1,
+/// R_ab = sum over the modes left out of (b_a . phi_n) (b_b . phi_n) / w_n^2
+/// ```
+///
+/// with the patterns `b_a` of ports. One factorisation `K + s M = L L^T` with a small shift `s` serves
+/// the modes, by block Lanczos iteration, and the flexibility: the solutions for the ports without their
+/// part along the modes kept are `sum phi_n phi_n^T b / (w_n^2 + s)`, and with the second term of the
+/// series of `1 / w_n^2` in `s` the error is a `(s / w_n^2)^2` of R.
+///
+/// Sources: R. H. MacNeal, Comput. Struct. 1971, 1, 581, doi 10.1016/0045-7949(71)90031-9;
+/// S. Rubin, AIAA J. 1975, 13, 995, doi 10.2514/3.60497.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReducedBody {
+    /// Angular frequencies \[rad/s\], lowest first; zero for rigid motions.
+    pub angular_frequencies: Vec<f64>,
+    /// Participation of each port \[kg^-1/2\], by modes.
+    pub participations: Vec<Vec<f64>>,
+    /// Flexibility between ports of the modes left out \[m/N\].
+    pub residual: ResidualFlexibility,
+    /// Mass-normalised shapes of the modes by columns \[kg^-1/2\].
+    pub shapes: Mat<f64>,
+}
+
+impl ReducedBody {
+    /// The `modes` lowest modes of `body`, and its rigid ones at least, with the residual flexibility of
+    /// all others between `ports`.
+    ///
+    /// ```
+    /// use asperity_mesh::{ReducedBody, SparseBody};
+    /// use faer::sparse::{SparseColMat, Triplet};
+    ///
+    /// // Two masses of 1 kg joined by a spring of 200 N/m.
+    /// let k = [(0, 0, 200.0), (1, 0, -200.0), (1, 1, 200.0)].map(|(i, j, v)| Triplet::new(i, j, v));
+    /// let m = [(0, 0, 1.0), (1, 1, 1.0)].map(|(i, j, v)| Triplet::new(i, j, v));
+    /// let k = SparseColMat::try_new_from_triplets(2, 2, &k).unwrap();
+    /// let m = SparseColMat::try_new_from_triplets(2, 2, &m).unwrap();
+    /// let body = SparseBody::new(k, m, Vec::new())?;
+    ///
+    /// let reduced = ReducedBody::new(&body, &[vec![(0, 1.0)]], 1)?;
+    /// assert_eq!(reduced.angular_frequencies, [0.0]);
+    /// // The mode left out has w^2 = 400 / s2 and 1 / sqrt(2 kg) at the port.
+    /// assert!((reduced.residual.get(0, 0) - 0.5 / 400.0).abs() < 1e-14);
+    /// # Ok::<(), asperity_mesh::MeshError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`MeshError::DegreeOfFreedom`] for a port at a row that does not exist; [`MeshError::ModeCount`]
+    /// for no modes, or more than [`MOST_REDUCED_MODES`]; [`MeshError::Matrix`] for a stiffness matrix
+    /// with a negative eigenvalue, or with a motion that has neither stiffness nor mass, for matrices that are too large
+    /// for the memory, or eigenvalues that do not converge.
+    pub fn new(body: &SparseBody, ports: &[PortPattern], modes: usize) -> Result<Self, MeshError> {
+        let size = body.size();
+        if let Some(&(dof, _)) = ports.iter().flatten().find(|(dof, _)| *dof >= size) {
+            return Err(MeshError::DegreeOfFreedom { dof, size });
+        }
+        if !(1..=MOST_REDUCED_MODES).contains(&modes) {
+            let body = "body of matrices".to_owned();
+            return Err(MeshError::ModeCount { body, modes, limit: MOST_REDUCED_MODES });
+        }
+        let typical = body.typical_square();
+        if typical.is_nan() || typical <= 0.0 {
+            let problem = "zero, or without stiffness on its diagonal where there is mass";
+            return Err(MeshError::Matrix { matrix: "stiffness or mass", problem });
+        }
+        let rigid = RIGID * typical;
+        let mut shift = FIRST_SHIFT * typical;
+        let mut factor = Factor::new(body, shift)?;
+        let mut found = with_an_elastic_mode(body, &factor, (shift, rigid), modes)?;
+        let elastic = found.squares.iter().copied().find(|square| *square > rigid);
+        if let Some(lowest) = elastic.filter(|lowest| shift > LARGEST_SHIFT * lowest) {
+            // A shift far above the lowest mode separates the modes poorly.
+            shift = (SHIFT * lowest).max(rigid);
+            factor = Factor::new(body, shift)?;
+            found = with_an_elastic_mode(body, &factor, (shift, rigid), modes)?;
+        }
+        if found.squares.first().is_some_and(|square| *square < -rigid) {
+            let problem = "not positive semidefinite";
+            return Err(MeshError::Matrix { matrix: "stiffness", problem });
+        }
+        let rigid_count = found.squares.iter().filter(|square| **square <= rigid).count();
+        let kept = modes.max(rigid_count).min(found.squares.len());
+        let shapes = found.shapes.subcols(0, kept).to_owned();
+        let participations = participations(&shapes, ports);
+        let squares = &found.squares[..kept];
+        let of_shift = Shifted { body, factor: &factor, shift };
+        let residual = of_shift.residual(ports, (&shapes, &participations))?;
+        let frequency = |&square: &f64| if square <= rigid { 0.0 } else { square.sqrt() };
+        let angular_frequencies = squares.iter().map(frequency).collect();
+        Ok(Self { angular_frequencies, participations, residual, shapes })
+    }
+
+    /// Number of rigid motions.
+    pub fn rigid_count(&self) -> usize {
+        self.angular_frequencies.iter().filter(|frequency| **frequency == 0.0).count()
+    }
+
+    /// The component modes with `contacts` between the ports, under stiffness-proportional damping of
+    /// retardation time `b` \[s\]: modes have the damping rate `b w^2` of their own, and the flexibility
+    /// left out becomes massless modes of the same retardation time. Mass-proportional damping acts on
+    /// all modes.
+    ///
+    /// # Errors
+    /// Those of [`ComponentModes::new`].
+    pub fn component_modes(
+        &self,
+        retardation_time: f64,
+        contacts: Vec<PortPair>,
+    ) -> Result<ComponentModes, MeshError> {
+        let pairs = self.angular_frequencies.iter().zip(&self.participations);
+        let mode = |(&frequency, ports): (&f64, &Vec<f64>)| NormalMode {
+            damping_rate: retardation_time * frequency * frequency,
+            ..NormalMode::elastic(frequency, ports.clone())
+        };
+        let mut modes: Vec<NormalMode> = pairs.map(mode).collect();
+        let mut residual = self.residual.clone();
+        let ports = residual.ports();
+        let highest = self.angular_frequencies.last().copied().unwrap_or_default();
+        if retardation_time > 0.0 && highest > 0.0 {
+            let matrix = Mat::from_fn(ports, ports, |a, b| residual.get(a, b));
+            let all: Vec<usize> = (0..ports).collect();
+            modes.extend(massless_modes(&matrix, (&all, ports), highest, retardation_time));
+            residual = ResidualFlexibility::zero(ports);
+        }
+        ComponentModes::new(modes, residual, contacts, Vec::new())
+    }
+}
+
+/// The `modes` lowest modes, and more until one of them is elastic.
+fn with_an_elastic_mode(
+    body: &SparseBody,
+    factor: &Factor,
+    (shift, rigid): (f64, f64),
+    modes: usize,
+) -> Result<Eigenpairs, MeshError> {
+    let mut wanted = modes;
+    loop {
+        let found = lanczos::lowest(body, factor, shift, wanted)?;
+        let elastic = found.squares.last().is_some_and(|square| *square > rigid);
+        if elastic || found.squares.len() < wanted || wanted >= body.size() {
+            return Ok(found);
+        }
+        wanted += FURTHER;
+    }
+}
+
+/// Participation of each port, by modes.
+fn participations(shapes: &Mat<f64>, ports: &[PortPattern]) -> Vec<Vec<f64>> {
+    let along = |mode: usize, pattern: &PortPattern| -> f64 {
+        pattern.iter().map(|&(row, weight)| weight * shapes[(row, mode)]).sum()
+    };
+    let of_mode = |mode: usize| ports.iter().map(|pattern| along(mode, pattern)).collect();
+    (0..shapes.ncols()).map(of_mode).collect()
+}
+
+/// A body with the factor of its shifted stiffness.
+struct Shifted<'a> {
+    body: &'a SparseBody,
+    factor: &'a Factor,
+    shift: f64,
+}
+
+impl Shifted<'_> {
+    /// Flexibility of the modes left out, beside those kept with their shapes and participations.
+    fn residual(
+        &self,
+        ports: &[PortPattern],
+        (shapes, participations): (&Mat<f64>, &[Vec<f64>]),
+    ) -> Result<ResidualFlexibility, MeshError> {
+        let (size, count) = (self.body.size(), ports.len());
+        // Solutions for the ports without the modes kept, which are taken off the loads: the shift makes
+        // rigid motions large, and their rounding with them.
+        let mut left = Mat::<f64>::zeros(size, count);
+        for (column, pattern) in ports.iter().enumerate() {
+            for &(row, weight) in pattern {
+                left[(row, column)] += weight;
+            }
+        }
+        let along = Mat::from_fn(shapes.ncols(), count, |mode, port| participations[mode][port]);
+        left -= self.body.mass_times(shapes.as_ref()) * along;
+        self.factor.solve(&mut left);
+        let rest = shapes.transpose() * self.body.mass_times(left.as_ref());
+        left -= shapes * rest;
+        let read = |pattern: &PortPattern, column: usize| -> f64 {
+            pattern.iter().map(|&(row, weight)| weight * left[(row, column)]).sum()
+        };
+        let mut rows = vec![vec![0.0; count]; count];
+        for start in (0..count).step_by(AT_ONCE) {
+            let columns = AT_ONCE.min(count - start);
+            let images = self.body.mass_times(left.subcols(start, columns));
+            let second = left.transpose() * images;
+            for column in 0..columns {
+                for (row, pattern) in ports.iter().enumerate() {
+                    rows[row][start + column] =
+                        read(pattern, start + column) + self.shift * second[(row, column)];
+                }
+            }
+        }
+        for a in 0..count {
+            for b in 0..a {
+                let mean = 0.5 * (rows[a][b] + rows[b][a]);
+                (rows[a][b], rows[b][a]) = (mean, mean);
+            }
+        }
+        ResidualFlexibility::from_rows(&rows)
+    }
+}

@@ -1,0 +1,89 @@
+//! The sparse factorisation of a shifted stiffness matrix, behind which its crate is hidden.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::perm::Perm;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
+use faer::{Conj, Mat, Par, Side};
+
+use super::dissection;
+use crate::{MeshError, SparseBody};
+
+/// Columns that are solved for at once: more take more memory and little less time.
+const AT_ONCE: usize = 32;
+
+/// `K + shift M = L L^T`.
+pub(super) struct Factor {
+    symbolic: SymbolicCholesky<usize>,
+    values: Vec<f64>,
+}
+
+impl Factor {
+    /// Factorises `K + shift M`.
+    ///
+    /// # Errors
+    /// [`MeshError::Matrix`] unless the matrix is positive definite and its factor fits into memory.
+    pub(super) fn new(body: &SparseBody, shift: f64) -> Result<Self, MeshError> {
+        let matrix = body.shifted(shift);
+        let fault = |problem| MeshError::Matrix { matrix: "stiffness", problem };
+        let large = |_| fault("too large for the memory");
+        let size = body.size();
+        let forward = dissection::order(matrix.symbolic(), body.places());
+        let permutation = forward.map(|forward| {
+            let mut inverse = vec![0; size];
+            for (new, &old) in forward.iter().enumerate() {
+                inverse[old] = new;
+            }
+            Perm::new_checked(forward.into(), inverse.into(), size)
+        });
+        let ordering = match &permutation {
+            Some(permutation) => SymmetricOrdering::Custom(permutation.as_ref()),
+            None => SymmetricOrdering::Amd,
+        };
+        let parameters = CholeskySymbolicParams::default();
+        let symbolic =
+            factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, ordering, parameters)
+                .map_err(large)?;
+        let mut values = Vec::new();
+        values
+            .try_reserve_exact(symbolic.len_val())
+            .map_err(|_| fault("too large for the memory"))?;
+        values.resize(symbolic.len_val(), 0.0);
+        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let mut buffer = MemBuffer::try_new(scratch).map_err(|_| fault("too large for the memory"))?;
+        let factorised = symbolic.factorize_numeric_llt(
+            &mut values,
+            matrix.as_ref(),
+            Side::Lower,
+            Default::default(),
+            Par::Seq,
+            MemStack::new(&mut buffer),
+            Default::default(),
+        );
+        match factorised.map(|_| ()) {
+            Ok(()) => Ok(Self { symbolic, values }),
+            Err(_) => {
+                Err(fault("not positive semidefinite, or massless in a motion without stiffness"))
+            }
+        }
+    }
+
+    /// Replaces the columns of `right` by the solutions for them.
+    pub(super) fn solve(&self, right: &mut Mat<f64>) {
+        let columns = right.ncols();
+        let scratch = self.symbolic.solve_in_place_scratch::<f64>(AT_ONCE.min(columns), Par::Seq);
+        let mut buffer = MemBuffer::new(scratch);
+        let factor = LltRef::new(&self.symbolic, &self.values);
+        for start in (0..columns).step_by(AT_ONCE) {
+            let count = AT_ONCE.min(columns - start);
+            factor.solve_in_place_with_conj(
+                Conj::No,
+                right.as_mut().subcols_mut(start, count),
+                Par::Seq,
+                MemStack::new(&mut buffer),
+            );
+        }
+    }
+}
