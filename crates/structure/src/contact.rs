@@ -33,6 +33,7 @@ pub struct PreloadedContact {
     pressure: f64,
     stiffness: f64,
     closure: f64,
+    gap: f64,
     damping: Option<ContactDamping>,
     friction: Option<Friction>,
 }
@@ -54,8 +55,9 @@ impl PreloadedContact {
             let (quantity, accepted) = ("contact area [m2]", "positive and finite");
             return Err(StructureError::Setting { quantity, value: area, accepted });
         }
-        if !(pressure.is_finite() && pressure >= 0.0) {
-            let (quantity, accepted) = ("static pressure [Pa]", "finite and not negative");
+        if !(pressure.is_finite() && (pressure >= 0.0 || law.domain().is_bilateral())) {
+            let (quantity, accepted) =
+                ("static pressure [Pa]", "finite, and not negative unless the law carries tension");
             return Err(StructureError::Setting { quantity, value: pressure, accepted });
         }
         let (stiffness, closure) = (law.stiffness(pressure), law.closure(pressure));
@@ -66,7 +68,31 @@ impl PreloadedContact {
         }
         let name = name.to_owned();
         let (damping, friction) = (None, None);
-        Ok(Self { name, area, law, pressure, stiffness, closure, damping, friction })
+        let gap = 0.0;
+        Ok(Self { name, area, law, pressure, stiffness, closure, gap, damping, friction })
+    }
+
+    /// A contact that is open at rest: its faces are `gap` \[m\] from first contact. Pressure and stiffness
+    /// are zero.
+    ///
+    /// # Errors
+    /// [`StructureError::Setting`] for an area or a gap that is not positive;
+    /// [`StructureError::NoEquilibrium`] for a law that never separates.
+    pub fn open(
+        name: &str,
+        area: f64,
+        law: Arc<dyn ContactLaw>,
+        gap: f64,
+    ) -> Result<Self, StructureError> {
+        if !(gap.is_finite() && gap > 0.0) {
+            let (quantity, accepted) = ("gap at rest [m]", "positive and finite");
+            return Err(StructureError::Setting { quantity, value: gap, accepted });
+        }
+        let Some(lost) = law.domain().closure_lost else {
+            return Err(StructureError::NoEquilibrium { interface: name.to_owned(), pressure_pa: 0.0 });
+        };
+        let touching = Self::new(name, area, law, 0.0)?;
+        Ok(Self { stiffness: 0.0, closure: lost - gap, gap, ..touching })
     }
 
     /// The contact with viscous `damping`, or with none.
@@ -111,9 +137,18 @@ impl PreloadedContact {
         self.closure
     }
 
+    /// Distance of the faces from first contact at rest \[m\]; zero for a closed contact.
+    pub fn gap(&self) -> f64 {
+        self.gap
+    }
+
     /// Pressure \[Pa\] at a closure increment from rest \[m\].
     pub fn pressure_at(&self, closure: f64) -> f64 {
-        self.pressure + self.law.pressure_increment(self.pressure, closure).value
+        let from_contact = closure - self.gap;
+        if self.gap > 0.0 && from_contact <= 0.0 {
+            return 0.0;
+        }
+        self.pressure + self.law.pressure_increment(self.pressure, from_contact).value
     }
 
     /// Stiffness of the contact as a linear spring, `K(p0) S` \[N/m\].
@@ -139,9 +174,9 @@ impl PreloadedContact {
     }
 }
 
-/// Error of the first contact without stiffness at rest, if there is one.
+/// Error of the first contact that touches without stiffness at rest, if there is one.
 pub(crate) fn check_springs(contacts: &[PreloadedContact]) -> Result<(), StructureError> {
-    match contacts.iter().find(|contact| contact.spring() <= 0.0) {
+    match contacts.iter().find(|contact| contact.gap() == 0.0 && contact.spring() <= 0.0) {
         None => Ok(()),
         Some(contact) => Err(StructureError::NoFrequency {
             interface: contact.name().to_owned(),

@@ -87,6 +87,14 @@ pub enum StructureError {
         /// Number of contacts.
         contacts: usize,
     },
+    /// Loads act along a motion that neither stiffness nor contacts hold.
+    #[error(
+        "no static equilibrium: {:.2e} of the loads act along a motion that neither stiffness nor a contact holds; accepted: loads that balance each other along such motions, or a structure that is held there", share
+    )]
+    NotHeld {
+        /// Part of the loads along the motion.
+        share: f64,
+    },
     /// The shape of a mode is beyond the precision of numbers: a body resonates next to contacts that
     /// hardly hold it.
     #[error(

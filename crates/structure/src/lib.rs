@@ -17,6 +17,8 @@
 //! | [`preloaded`] | mesh, contacts at rest and damping as one value |
 //! | [`contact`] | one contact at rest |
 //! | [`equilibrium`] | nonlinear static equilibrium of a stack under weight |
+//! | [`patch_equilibrium`] | nonlinear static equilibrium of any structure in component modes |
+//! | [`linearised`] | linearised modes of any structure in component modes |
 //! | [`damping`] | damping of the bodies and its document form |
 //! | [`guide`] | a guide with friction |
 //! | [`time_function`] | pulses, sines and samples over time, of unit amplitude |
@@ -35,6 +37,8 @@ pub mod guide;
 pub mod load_case;
 pub mod modal_damping;
 pub mod modes;
+pub mod linearised;
+pub mod patch_equilibrium;
 pub mod place;
 pub mod preloaded;
 pub mod time_function;
@@ -52,6 +56,8 @@ pub use guide::Guide;
 pub use load_case::{BaseQuantity, LoadCase};
 pub use modal_damping::DampedMode;
 pub use modes::LinearisedMode;
+pub use linearised::PortMode;
+pub use patch_equilibrium::{UnloadedContact, contacts_at_rest};
 pub use place::{Along, End, PlaceSpec, SensorKind, SensorSpec};
 pub use preloaded::PreloadedStructure;
 pub use time_function::{Order, SampledFunction, SteppedSine, TimeFunction};

@@ -3,11 +3,9 @@
 use std::f64::consts::TAU;
 
 use asperity_mesh::{Body, ComponentModes, ModeCount, Port, Stack};
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
 
-use crate::contact::check_springs;
 use crate::equilibrium::{self, StaticDisplacement};
+use crate::linearised::lowest_frequency;
 use crate::modal_damping::ModalRatios;
 use crate::modes::Chain;
 use crate::{DampedMode, Damping, Guide, LinearisedMode, PreloadedContact, StructureError};
@@ -263,33 +261,4 @@ fn guides_of(stack: &Stack) -> Vec<Guide> {
     let bodies = stack.bodies().iter().enumerate();
     let guide = |(i, body): (usize, &Body)| Some(Guide::new(body.name(), body.friction()?, i));
     bodies.filter_map(guide).collect()
-}
-
-/// The lowest frequency \[Hz\] of `w^2 + G^T (1/k + R)^-1 G`, contacts being springs k.
-fn lowest_frequency(
-    modes: &ComponentModes,
-    contacts: &[PreloadedContact],
-) -> Result<f64, StructureError> {
-    check_springs(contacts)?;
-    let mut residual = modes.residual().clone();
-    let pairs = modes.contacts();
-    let (massless, modes): (Vec<_>, Vec<_>) = modes.modes().iter().partition(|mode| mode.massless);
-    for mode in massless {
-        residual.add(mode);
-    }
-    let n = contacts.len();
-    let flexibility = Mat::from_fn(n, n, |i, j| {
-        residual.closure(pairs[i], pairs[j]) + if i == j { 1.0 / contacts[i].spring() } else { 0.0 }
-    });
-    let shapes = Mat::from_fn(n, modes.len(), |i, m| modes[m].closure(pairs[i]));
-    let forces = flexibility.partial_piv_lu().solve(&shapes);
-    let coupled = shapes.transpose() * &forces;
-    let stiffness = Mat::from_fn(modes.len(), modes.len(), |a, b| {
-        let own = if a == b { modes[a].angular_frequency.powi(2) } else { 0.0 };
-        own + 0.5 * (coupled[(a, b)] + coupled[(b, a)])
-    });
-    let squares = stiffness.self_adjoint_eigenvalues(Side::Lower);
-    let lowest = squares.ok().and_then(|squares| squares.first().copied());
-    let square = lowest.filter(|square| *square > 0.0);
-    Ok(square.ok_or(StructureError::Eigenvalues { size: modes.len() })?.sqrt() / TAU)
 }

@@ -1,0 +1,329 @@
+//! Nonlinear static equilibrium of any structure in component modes: the least potential energy.
+//!
+//! With the modal displacements `q`, the elastic ones of which store `w^2 q^2 / 2`, the flexibility of
+//! the modes left out written as further modes, and closures `d = B q`, equilibrium is the minimum of
+//!
+//! ```text
+//! U(q) = sum_n w_n^2 q_n^2 / 2 + sum_j A_j E_j(d_j - g_j) - f . q,    dE/dd = p(d),
+//! ```
+//!
+//! with areas A, initial gaps g and static loads f. U is convex, since pressures grow with closures.
+//! Newton steps, in which open contacts have a small stiffness, with a search along each step for
+//! the place where U falls no more, find it from anywhere.
+
+use std::sync::Arc;
+
+use asperity_law::{ContactDamping, ContactLaw};
+use asperity_mesh::{ComponentModes, PortPair};
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+
+use crate::{PreloadedContact, StructureError};
+
+/// A contact before the loads are on: its faces are `gap` \[m\] apart, or touch.
+#[derive(Debug, Clone)]
+pub struct UnloadedContact {
+    /// Name, for messages and outputs.
+    pub name: String,
+    /// Area \[m2\].
+    pub area: f64,
+    /// Contact law.
+    pub law: Arc<dyn ContactLaw>,
+    /// Initial gap g \[m\]; negative for an interference.
+    pub gap: f64,
+    /// Viscous damping, if there is any.
+    pub damping: Option<ContactDamping>,
+}
+
+/// Newton steps before the search is given up.
+const MOST_STEPS: usize = 200;
+
+/// Halvings and doublings of a step.
+const MOST_SEARCHES: usize = 60;
+
+/// Decrement of the energy by a step, over the work of the loads, at which the minimum is reached.
+const REACHED: f64 = 1e-26;
+
+/// Stiffness of an open contact in the Newton matrix, over the mean of all at the reference pressure.
+const FLOOR: f64 = 1e-9;
+
+/// Part of the largest singular value below which contacts do not hold a rigid motion.
+const HELD: f64 = 1e-9;
+
+/// Part of the loads that may act along a motion without stiffness.
+const UNBALANCED: f64 = 1e-6;
+
+/// Pressure at which the first step is linearised if the loads do not give one \[Pa\].
+const FIRST_PRESSURE: f64 = 1e5;
+
+/// The `contacts` at rest under forces at ports of `modes`: port and force \[N\] each.
+///
+/// Motions that neither stiffness nor contacts hold stay out if the loads do not act along them.
+///
+/// # Errors
+/// [`StructureError::ContactCount`] unless there is one contact per pair, and at least one;
+/// [`StructureError::NotHeld`] for loads that no contact carries;
+/// [`StructureError::Setting`] and [`StructureError::NoEquilibrium`] as [`PreloadedContact::new`].
+pub fn contacts_at_rest(
+    modes: &ComponentModes,
+    contacts: &[UnloadedContact],
+    loads: &[(usize, f64)],
+) -> Result<Vec<PreloadedContact>, StructureError> {
+    let pairs = modes.contacts();
+    if contacts.len() != pairs.len() || contacts.is_empty() {
+        return Err(StructureError::ContactCount { pairs: pairs.len(), contacts: contacts.len() });
+    }
+    let problem = EnergyProblem::new(modes, contacts, loads)?;
+    let closures = problem.minimum()?;
+    let at_rest = |(contact, closure): (&UnloadedContact, f64)| {
+        let UnloadedContact { name, area, law, gap, damping } = contact;
+        let law = Arc::clone(law);
+        let closed = match law.domain().closure_lost {
+            Some(lost) if closure - gap < lost => {
+                PreloadedContact::open(name, *area, law, lost - (closure - gap))?
+            }
+            _ => {
+                let pressure = law.pressure(closure - gap).value;
+                PreloadedContact::new(name, *area, law, pressure)?
+            }
+        };
+        Ok(closed.with_damping(*damping))
+    };
+    contacts.iter().zip(closures).map(at_rest).collect()
+}
+
+/// The energy in coordinates with a diagonal elastic stiffness.
+struct EnergyProblem<'a> {
+    contacts: &'a [UnloadedContact],
+    /// Elastic stiffness of each coordinate; zero for a rigid motion.
+    stiffness: Vec<f64>,
+    /// Closure of each contact per coordinate: a row a contact.
+    closures: Mat<f64>,
+    /// Static load along each coordinate.
+    loads: Vec<f64>,
+    /// Stiffness of an open contact in the Newton matrix \[N/m\].
+    floor: f64,
+    /// Pressure at which the first step is linearised \[Pa\].
+    first_pressure: f64,
+}
+
+impl<'a> EnergyProblem<'a> {
+    fn new(
+        modes: &ComponentModes,
+        contacts: &'a [UnloadedContact],
+        forces: &[(usize, f64)],
+    ) -> Result<Self, StructureError> {
+        let pairs = modes.contacts();
+        let (rigid, elastic): (Vec<_>, Vec<_>) =
+            modes.modes().iter().partition(|mode| mode.angular_frequency == 0.0);
+        let along = |ports: &[f64]| -> f64 {
+            forces.iter().map(|&(port, force)| ports[port] * force).sum()
+        };
+        let mut stiffness = Vec::new();
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        let mut loads = Vec::new();
+        let rigid_closures = Mat::from_fn(pairs.len(), rigid.len(), |i, r| rigid[r].closure(pairs[i]));
+        if !rigid.is_empty() {
+            let rigid_loads: Vec<f64> = rigid.iter().map(|mode| along(&mode.ports)).collect();
+            let size: f64 = rigid
+                .iter()
+                .map(|mode| {
+                    let parts = forces.iter().map(|&(port, force)| (mode.ports[port] * force).abs());
+                    parts.sum::<f64>().powi(2)
+                })
+                .sum::<f64>()
+                .sqrt();
+            let svd = rigid_closures
+                .svd()
+                .map_err(|_| StructureError::Eigenvalues { size: rigid.len() })?;
+            let values = svd.S().column_vector();
+            let largest = if pairs.is_empty() { 0.0 } else { values[0] };
+            for k in 0..rigid.len() {
+                let turned = |of: &dyn Fn(usize) -> f64| -> f64 {
+                    (0..rigid.len()).map(|r| svd.V()[(r, k)] * of(r)).sum()
+                };
+                let load = turned(&|r| rigid_loads[r]);
+                if k < pairs.len() && values[k] > HELD * largest {
+                    stiffness.push(0.0);
+                    columns.push(
+                        (0..pairs.len()).map(|i| turned(&|r| rigid_closures[(i, r)])).collect(),
+                    );
+                    loads.push(load);
+                } else if load.abs() > UNBALANCED * size {
+                    return Err(StructureError::NotHeld { share: load.abs() / size });
+                }
+            }
+        }
+        for mode in elastic {
+            stiffness.push(mode.angular_frequency.powi(2));
+            columns.push(pairs.iter().map(|&pair| mode.closure(pair)).collect());
+            loads.push(along(&mode.ports));
+        }
+        for (column, load) in flexible_coordinates(modes, forces)? {
+            stiffness.push(1.0);
+            columns.push(column);
+            loads.push(load);
+        }
+        let closures = Mat::from_fn(pairs.len(), columns.len(), |i, k| columns[k][i]);
+        let area: f64 = contacts.iter().map(|contact| contact.area).sum();
+        let force: f64 = forces.iter().map(|(_, force)| force.abs()).sum();
+        let mut first_pressure = force / area;
+        if !(first_pressure.is_finite() && first_pressure > 0.0) {
+            first_pressure = FIRST_PRESSURE;
+        }
+        let springs = contacts.iter().map(|one| one.area * one.law.stiffness(first_pressure));
+        let floor = FLOOR * springs.sum::<f64>() / contacts.len() as f64;
+        Ok(Self { contacts, stiffness, closures, loads, floor, first_pressure })
+    }
+
+    /// Closures at the minimum of the energy \[m\].
+    fn minimum(&self) -> Result<Vec<f64>, StructureError> {
+        let size = self.stiffness.len();
+        let mut place = vec![0.0; size];
+        let mut closures = vec![0.0; self.contacts.len()];
+        let mut springs: Vec<f64> = self
+            .contacts
+            .iter()
+            .map(|contact| contact.area * contact.law.stiffness(self.first_pressure))
+            .collect();
+        let mut gradient = self.gradient(&place, &closures);
+        for _ in 0..MOST_STEPS {
+            let step = self.newton_step(&springs, &gradient)?;
+            let decrement: f64 = step.iter().zip(&gradient).map(|(a, b)| -a * b).sum();
+            let work: f64 = self.loads.iter().zip(&place).map(|(f, q)| (f * q).abs()).sum();
+            let own: f64 =
+                self.stiffness.iter().zip(&place).map(|(k, q)| k * q * q).sum::<f64>();
+            if decrement <= REACHED * (work + own) {
+                return Ok(closures);
+            }
+            let ahead = self.closures_of(&step);
+            let length = self.search((&place, &step), (&closures, &ahead), -decrement)?;
+            for (value, change) in place.iter_mut().zip(&step) {
+                *value += length * change;
+            }
+            closures = self.closures_of(&place);
+            gradient = self.gradient(&place, &closures);
+            springs = self.springs(&closures);
+        }
+        Err(self.not_found(&closures))
+    }
+
+    /// `-H^-1 gradient` with the contacts as `springs` \[N/m\].
+    fn newton_step(&self, springs: &[f64], gradient: &[f64]) -> Result<Vec<f64>, StructureError> {
+        let size = self.stiffness.len();
+        let weighted = Mat::from_fn(self.contacts.len(), size, |i, k| {
+            springs[i].max(self.floor).sqrt() * self.closures[(i, k)]
+        });
+        let mut matrix = weighted.transpose() * &weighted;
+        for (k, stiffness) in self.stiffness.iter().enumerate() {
+            matrix[(k, k)] += stiffness;
+        }
+        // Coordinates of one size, in which the factorisation is as precise as it can be.
+        let scale: Vec<f64> = (0..size).map(|k| matrix[(k, k)].sqrt().recip()).collect();
+        let matrix = Mat::from_fn(size, size, |i, j| scale[i] * matrix[(i, j)] * scale[j]);
+        let right = Mat::from_fn(size, 1, |k, _| -scale[k] * gradient[k]);
+        let failed = |_| StructureError::Eigenvalues { size };
+        let solution = matrix.llt(Side::Lower).map_err(failed)?.solve(&right);
+        Ok((0..size).map(|k| scale[k] * solution[(k, 0)]).collect())
+    }
+
+    /// Length along a step at which the energy falls no more, or less than a tenth as fast as at first.
+    fn search(
+        &self,
+        (place, step): (&[f64], &[f64]),
+        (closures, ahead): (&[f64], &[f64]),
+        first: f64,
+    ) -> Result<f64, StructureError> {
+        let own: f64 = self.stiffness.iter().zip(step).map(|(k, s)| k * s * s).sum();
+        let fixed: f64 = self
+            .stiffness
+            .iter()
+            .zip(place)
+            .zip(step.iter().zip(&self.loads))
+            .map(|((k, q), (s, f))| (k * q - f) * s)
+            .sum();
+        let slope = |length: f64| -> f64 {
+            let pressures = self.contacts.iter().zip(closures.iter().zip(ahead)).map(
+                |(contact, (closure, change))| {
+                    let at = closure + length * change - contact.gap;
+                    contact.area * contact.law.pressure(at).value * change
+                },
+            );
+            fixed + length * own + pressures.sum::<f64>()
+        };
+        let (mut low, mut high) = (0.0, f64::INFINITY);
+        let mut length = 1.0;
+        for _ in 0..MOST_SEARCHES {
+            let at = slope(length);
+            if at.abs() <= 0.1 * first.abs() {
+                return Ok(length);
+            }
+            // Beyond a limit of closure the pressure is infinite.
+            if at > 0.0 || at.is_nan() {
+                high = length;
+            } else {
+                low = length;
+            }
+            length = if high.is_finite() { 0.5 * (low + high) } else { 2.0 * length };
+        }
+        if low > 0.0 { Ok(low) } else { Err(self.not_found(closures)) }
+    }
+
+    fn closures_of(&self, place: &[f64]) -> Vec<f64> {
+        let place = Mat::from_fn(place.len(), 1, |k, _| place[k]);
+        let product = &self.closures * place;
+        (0..self.contacts.len()).map(|i| product[(i, 0)]).collect()
+    }
+
+    fn gradient(&self, place: &[f64], closures: &[f64]) -> Vec<f64> {
+        let forces = Mat::from_fn(self.contacts.len(), 1, |i, _| {
+            let contact = &self.contacts[i];
+            contact.area * contact.law.pressure(closures[i] - contact.gap).value
+        });
+        let product = self.closures.transpose() * forces;
+        let coordinates = self.stiffness.iter().zip(place).zip(&self.loads).enumerate();
+        coordinates.map(|(k, ((stiffness, q), load))| stiffness * q - load + product[(k, 0)]).collect()
+    }
+
+    fn springs(&self, closures: &[f64]) -> Vec<f64> {
+        let spring = |(contact, closure): (&UnloadedContact, &f64)| {
+            let tangent = contact.law.pressure(closure - contact.gap).tangent;
+            contact.area * if tangent.is_finite() { tangent } else { f64::MAX.sqrt() }
+        };
+        self.contacts.iter().zip(closures).map(spring).collect()
+    }
+
+    /// The error that names the contact with the largest pressure.
+    fn not_found(&self, closures: &[f64]) -> StructureError {
+        let pressures = self.contacts.iter().zip(closures).map(|(contact, closure)| {
+            (contact.law.pressure(closure - contact.gap).value, contact.name.clone())
+        });
+        let (pressure_pa, interface) =
+            pressures.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
+        StructureError::NoEquilibrium { interface, pressure_pa }
+    }
+}
+
+/// The residual flexibility as coordinates of unit stiffness: closures and load along each.
+fn flexible_coordinates(
+    modes: &ComponentModes,
+    forces: &[(usize, f64)],
+) -> Result<Vec<(Vec<f64>, f64)>, StructureError> {
+    let pairs = modes.contacts();
+    let places: Vec<PortPair> =
+        pairs.iter().copied().chain(forces.iter().map(|&(port, _)| PortPair::on_ground(port))).collect();
+    let count = places.len();
+    let matrix = Mat::from_fn(count, count, |i, j| modes.residual().closure(places[i], places[j]));
+    let found = matrix
+        .self_adjoint_eigen(Side::Lower)
+        .map_err(|_| StructureError::Eigenvalues { size: count })?;
+    let values = found.S().column_vector();
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let coordinate = |k: usize| {
+        let at = |i: usize| values[k].sqrt() * found.U()[(i, k)];
+        let load = forces.iter().enumerate().map(|(n, (_, force))| force * at(pairs.len() + n));
+        ((0..pairs.len()).map(at).collect(), load.sum())
+    };
+    let kept = (0..count).filter(|&k| values[k] > 1e-15 * largest && values[k] > 0.0);
+    Ok(kept.map(coordinate).collect())
+}
