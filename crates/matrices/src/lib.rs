@@ -1,0 +1,56 @@
+//! Matrices and meshes of finite-element programs.
+//!
+//! A structure without contact has the equation of motion
+//!
+//! ```text
+//! M u'' + K u = f,        u(row) = displacement of the degree of freedom of the row
+//! ```
+//!
+//! with the symmetric matrices `K` and `M` of `n` rows. [`read()`] takes them, with the node and the
+//! direction of each row, from the files of a finite-element program:
+//!
+//! | format | files |
+//! |---|---|
+//! | [CalculiX](MatricesFormat::Calculix) | `.sti`, `.mas`, `.dof` of `*FREQUENCY, SOLVER=MATRIXSTORAGE` |
+//! | [Abaqus](MatricesFormat::Abaqus) | `.mtx` of `*MATRIX OUTPUT`, formats MATRIX INPUT and COORDINATE |
+//! | [Matrix Market](MatricesFormat::MatrixMarket) | `.mtx`, coordinate, symmetric or general |
+//! | [MATLAB](MatricesFormat::Matlab) | `.mat` of versions 5 to 7, sparse or full |
+//! | [NumPy](MatricesFormat::Npz) | `.npz`, among them systems of `SDynPy` |
+//!
+//! [`read_reduced`] takes a reduced model: dense matrices with the closure rows `W` of contact cells.
+//! [`read_cells`] and [`read_loads`] take the cells of contact patches and nodal forces from CSV;
+//! [`Deck`] holds nodes, elements, sets and surfaces of an input deck of CalculiX or Abaqus.
+//!
+//! # Units
+//! Matrices are in the units of their files. [`Matrices::convert`] and [`Deck::convert`] turn them into
+//! metre, kilogram and second. A stiffness of two displacements is in N/m, of a displacement and a rotation
+//! in N, of two rotations in N m; masses accordingly in kg, kg m and kg m^2.
+//!
+//! # Trust
+//! Readers check each number, row and count before it is used, take no memory that the size of the file does
+//! not warrant, and name file and line of what they refuse. [`Matrices::findings`] names what is
+//! readable, and yet wrong or surprising: negative diagonals, rows without stiffness, motions without mass.
+
+mod abaqus;
+mod arrays;
+mod calculix;
+mod cells;
+mod dense;
+mod dof;
+mod error;
+mod matlab;
+mod matrices;
+mod matrix_market;
+mod npz;
+mod number_type;
+mod reduced;
+mod sparse;
+mod text;
+
+pub use cells::{Cell, CellWeight, Load, read_cells, read_loads};
+pub use dense::DenseMatrix;
+pub use dof::Dof;
+pub use error::{MatricesError, Place};
+pub use matrices::{Matrices, MatricesFormat, MatrixFiles, read};
+pub use reduced::{ReducedModel, read_reduced};
+pub use sparse::SparseSymmetric;

@@ -1,0 +1,306 @@
+//! Stiffness and mass with the degree of freedom of each row, and the files that hold them.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use crate::error::MatricesError;
+use crate::sparse::{Assembled, Entry, EntryFault, MOST_ROWS, SparseSymmetric, Triangles};
+use crate::text::{Content, Fields, Lines};
+use crate::{Dof, abaqus, calculix, matlab, matrix_market, npz};
+
+/// Stiffness and mass of a structure without contact, and the degree of freedom of each row.
+///
+/// Rows of held and of dependent degrees of freedom are absent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Matrices {
+    stiffness: SparseSymmetric,
+    mass: SparseSymmetric,
+    dofs: Vec<Dof>,
+    index: HashMap<Dof, usize>,
+}
+
+/// Format of files of matrices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum MatricesFormat {
+    /// `row column value` a line, one triangle, and `node.direction` a line for the rows.
+    Calculix,
+    /// `node,direction, node,direction, value` a line, or `row column value` with a file of rows.
+    Abaqus,
+    /// `%%MatrixMarket matrix coordinate real symmetric` or `general`, with a file of rows.
+    MatrixMarket,
+    /// Variables `K`, `M` and `dof` (rows of node and direction) of one file.
+    Matlab,
+    /// Arrays `K`, `M` and `dof`, or `stiffness`, `mass` and `coordinate`, of one file.
+    Npz,
+}
+
+/// Files of the matrices of a structure.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MatrixFiles {
+    /// Their format.
+    pub format: MatricesFormat,
+    /// The file of the stiffness; of everything, for MATLAB and NumPy.
+    pub stiffness: PathBuf,
+    /// The file of the mass; none for MATLAB and NumPy.
+    pub mass: Option<PathBuf>,
+    /// The file with the node and the direction of each row. Needed for CalculiX, Matrix Market, and
+    /// Abaqus with `FORMAT=COORDINATE`; without it, rows of Abaqus are in ascending order.
+    pub rows: Option<PathBuf>,
+}
+
+impl MatricesFormat {
+    /// All formats.
+    pub const ALL: [Self; 5] =
+        [Self::Calculix, Self::Abaqus, Self::MatrixMarket, Self::Matlab, Self::Npz];
+
+    /// Its name in documents.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Calculix => "calculix",
+            Self::Abaqus => "abaqus",
+            Self::MatrixMarket => "matrix_market",
+            Self::Matlab => "matlab",
+            Self::Npz => "npz",
+        }
+    }
+}
+
+impl fmt::Display for MatricesFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for MatricesFormat {
+    type Err = MatricesError;
+
+    fn from_str(name: &str) -> Result<Self, MatricesError> {
+        Self::ALL.into_iter().find(|format| format.name() == name).ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            let what = format!("the format of matrices is \"{name}\"");
+            MatricesError::inconsistent(what, format!("expected one of {names}"))
+        })
+    }
+}
+
+impl Matrices {
+    /// The matrices of a structure, and the degree of freedom of each of their rows.
+    ///
+    /// # Errors
+    /// If the sizes differ, or a degree of freedom has two rows.
+    pub fn new(
+        stiffness: SparseSymmetric,
+        mass: SparseSymmetric,
+        dofs: Vec<Dof>,
+    ) -> Result<Self, MatricesError> {
+        let sizes = [stiffness.size(), mass.size(), dofs.len()];
+        if sizes != [dofs.len(); 3] || dofs.is_empty() {
+            let what = format!(
+                "the stiffness has {} rows, the mass {}, and {} rows have a degree of freedom",
+                sizes[0], sizes[1], sizes[2]
+            );
+            return Err(MatricesError::inconsistent(what, "expected equal numbers, at least 1"));
+        }
+        let mut index = HashMap::with_capacity(dofs.len());
+        for (row, dof) in dofs.iter().enumerate() {
+            if let Some(before) = index.insert(*dof, row) {
+                let what = format!("{dof} has the rows {} and {}", before + 1, row + 1);
+                return Err(MatricesError::inconsistent(what, "expected one row each"));
+            }
+        }
+        Ok(Self { stiffness, mass, dofs, index })
+    }
+
+    /// Number of rows.
+    pub fn size(&self) -> usize {
+        self.dofs.len()
+    }
+
+    /// The stiffness matrix.
+    pub fn stiffness(&self) -> &SparseSymmetric {
+        &self.stiffness
+    }
+
+    /// The mass matrix.
+    pub fn mass(&self) -> &SparseSymmetric {
+        &self.mass
+    }
+
+    /// The degree of freedom of each row.
+    pub fn dofs(&self) -> &[Dof] {
+        &self.dofs
+    }
+
+    /// The row of a degree of freedom; none if it is held, dependent or not in the mesh.
+    pub fn row(&self, dof: Dof) -> Option<usize> {
+        self.index.get(&dof).copied()
+    }
+
+    /// Stiffness, mass and degrees of freedom.
+    pub fn into_parts(self) -> (SparseSymmetric, SparseSymmetric, Vec<Dof>) {
+        (self.stiffness, self.mass, self.dofs)
+    }
+}
+
+/// Reads the matrices of a structure.
+///
+/// # Errors
+/// [`MatricesError`] names file and line of content that is not of the format, of rows out of range, of
+/// entries that are given twice or are not symmetric, and of files that end early.
+pub fn read(files: &MatrixFiles) -> Result<Matrices, MatricesError> {
+    let rows = files.rows.as_deref().map(|path| read_rows(Content::open(path)?)).transpose()?;
+    let mass = || {
+        files.mass.as_deref().ok_or_else(|| {
+            let what = format!("no file of the mass for the format {}", files.format);
+            MatricesError::inconsistent(what, "expected a file each for stiffness and mass")
+        })
+    };
+    let needed = |rows: Option<Vec<Dof>>| {
+        rows.ok_or_else(|| {
+            let what = format!("no file of rows for the format {}", files.format);
+            MatricesError::inconsistent(what, "expected a file with `node.direction` a line")
+        })
+    };
+    let contents =
+        || Ok::<_, MatricesError>([Content::open(&files.stiffness)?, Content::open(mass()?)?]);
+    match files.format {
+        MatricesFormat::Calculix => calculix::read(contents()?, needed(rows)?),
+        MatricesFormat::Abaqus => abaqus::read(contents()?, rows),
+        MatricesFormat::MatrixMarket => matrix_market::read(contents()?, needed(rows)?),
+        MatricesFormat::Matlab | MatricesFormat::Npz => {
+            let arrays = |path: &Path| {
+                let content = Content::open(path)?;
+                if files.format == MatricesFormat::Npz {
+                    npz::read(content)
+                } else {
+                    matlab::read(content)
+                }
+            };
+            let mass = files.mass.as_deref().map(arrays).transpose()?;
+            arrays(&files.stiffness)?.matrices(mass, rows)
+        }
+    }
+}
+
+/// Stiffness and mass, each read by `read` on a thread of its own.
+pub(crate) fn both<T: Send>(
+    [stiffness, mass]: [Content; 2],
+    read: impl Fn(Content) -> Result<T, MatricesError> + Sync,
+) -> Result<[T; 2], MatricesError> {
+    std::thread::scope(|scope| {
+        let mass = scope.spawn(|| read(mass));
+        let stiffness = read(stiffness)?;
+        let mass = mass.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        Ok([stiffness, mass])
+    })
+}
+
+/// Reads the degrees of freedom of rows: `node.direction` a line, or both separated by blanks or a comma.
+///
+/// The text `12.3` is node 12 and direction 3, never a decimal number.
+fn read_rows(content: Content) -> Result<Vec<Dof>, MatricesError> {
+    let mut lines = Lines::new(content);
+    let mut dofs = Vec::new();
+    let mut seen = HashMap::new();
+    while let Some(line) = lines.next()? {
+        if line.trim_ascii().is_empty() || line.starts_with(b"%") || line.starts_with(b"**") {
+            continue;
+        }
+        let Some(dof) = dof_of_line(line) else {
+            let found = crate::text::found(line);
+            let expected = "a node and a direction from 1 to 6, such as 12.3";
+            return Err(lines.malformed(found, expected));
+        };
+        if let Some(before) = seen.insert(dof, lines.line) {
+            let found = format!("{dof}, as in line {before}");
+            return Err(lines.malformed(found, "each degree of freedom once"));
+        }
+        dofs.push(dof);
+    }
+    lines.check_end()?;
+    if dofs.is_empty() {
+        return Err(lines.ends_early("it has no rows"));
+    }
+    Ok(dofs)
+}
+
+fn dof_of_line(line: &[u8]) -> Option<Dof> {
+    let mut fields = Fields(line);
+    let first = fields.next()?;
+    let (node, direction) = match first.iter().position(|byte| *byte == b'.') {
+        Some(point) => (&first[..point], &first[point + 1..]),
+        None => (first, fields.next()?),
+    };
+    if fields.next().is_some() || !direction.iter().all(u8::is_ascii_digit) {
+        return None;
+    }
+    Dof::of_numbers(crate::text::whole(node)?, crate::text::whole(direction)?)
+}
+
+/// The matrix of the entries of a file, with faults in words.
+pub(crate) fn assemble(
+    file: &str,
+    dofs: &[Dof],
+    entries: Vec<Entry>,
+    triangles: Triangles,
+) -> Result<Assembled, MatricesError> {
+    if dofs.len() >= MOST_ROWS {
+        let what = format!("{file}: {} rows", dofs.len());
+        return Err(MatricesError::inconsistent(what, format!("expected less than {MOST_ROWS}")));
+    }
+    let name = |row: usize| format!("{} ({})", row + 1, dofs[row]);
+    let file = file.to_owned();
+    SparseSymmetric::assemble(dofs.len(), entries, triangles).map_err(|fault| match fault {
+        EntryFault::Twice { row, column } => {
+            MatricesError::Twice { file, row: name(row), column: name(column) }
+        }
+        EntryFault::Asymmetric { row, column, value, partner } => {
+            let partner =
+                partner.map_or("is not given".to_owned(), |value| format!("is {value:e}"));
+            MatricesError::Asymmetric { file, row: name(row), column: name(column), value, partner }
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(text: &str) -> Result<Vec<Dof>, MatricesError> {
+        read_rows(Content::of_bytes("a.dof", text.as_bytes().to_vec()))
+    }
+
+    #[test]
+    fn a_row_is_a_node_and_a_direction_and_no_decimal_number() {
+        let expected = [(12, 3), (120, 3), (12, 1), (-4, 1), (7, 2)];
+        let expected: Vec<Dof> = expected.iter().map(|&(node, dir)| Dof::new(node, dir)).collect();
+        assert_eq!(rows("12.3\n120.3\n 12.1\r\n-4,1\n7 2\n").unwrap(), expected);
+        for wrong in
+            ["12.10", "12.0", "12.7", "12", "12.", ".3", "12.3.1", "1e1.2", "12.-1", "12.3 4"]
+        {
+            let error = rows(&format!("1.1\n{wrong}\n1.2\n")).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("a.dof, line 2: `{wrong}`; expected")), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_row_given_twice_is_refused_with_its_lines() {
+        let error = rows("1.1\n1.2\n1.1\n").unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "a.dof, line 3: node 1 direction 1, as in line 1; expected each degree of freedom once"
+        );
+    }
+
+    #[test]
+    fn formats_have_names() {
+        for format in MatricesFormat::ALL {
+            assert_eq!(format.name().parse::<MatricesFormat>().unwrap(), format);
+        }
+        let error = "nastran".parse::<MatricesFormat>().unwrap_err().to_string();
+        assert!(error.contains("calculix, abaqus, matrix_market, matlab, npz"), "{error}");
+    }
+}
