@@ -12,7 +12,8 @@ const SMALL: f64 = 1e-2;
 /// Gauss points; its own error is of sixth order in the increment.
 pub(crate) fn excess(contact: &PreloadedContact, increment: f64) -> f64 {
     let (law, pressure, closure) = (contact.law(), contact.pressure(), contact.closure());
-    if (contact.stiffness() * increment).abs() > SMALL * pressure.abs() {
+    let is_large = (contact.stiffness() * increment).abs() > SMALL * pressure.abs();
+    if is_large || contact.gap() > 0.0 {
         return law.energy(closure + increment) - law.energy(closure) - pressure * increment;
     }
     let more = |s: f64| law.pressure_increment(pressure, s * increment).value;

@@ -114,6 +114,20 @@ pub enum DynamicsError {
         /// Number of modes with a ratio.
         modes: usize,
     },
+    /// Contacts of patches have no damping and no friction in time.
+    #[error(
+        "\"{element}\" dissipates; accepted with many contacts: contacts without damping and friction, and damping of the bodies"
+    )]
+    Dissipative {
+        /// Name of the contact or guide.
+        element: String,
+    },
+    /// A contact is open at rest, which the vector kernel does not take.
+    #[error("contact \"{contact}\" is open at rest; accepted by this engine: contacts that are closed at rest")]
+    OpenAtRest {
+        /// Name of the contact.
+        contact: String,
+    },
     /// A contact law cannot be prepared for the integration.
     #[error("interface \"{interface}\": {source}")]
     Law {

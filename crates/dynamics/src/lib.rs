@@ -60,7 +60,8 @@ pub use finite_difference::{ContactForm, FiniteDifference};
 pub use instruction_set::InstructionSet;
 pub use integrator::Integrator;
 pub use modal::{
-    Batch, COARSE_RESIDUAL, CaseResponse, ContactMeasures, Decimation, Modal, ModalModel,
+    Batch, COARSE_RESIDUAL, CaseResponse, ContactMeasures, Decimation, MOST_CONTACTS, ManyContacts,
+    Modal, ModalModel,
     ParameterVariation, Sensitivity, StepHistory, TransientCase,
 };
 pub use run_bounds::RunOutline;

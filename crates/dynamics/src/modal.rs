@@ -37,6 +37,7 @@
 //! | `ring_down` | the step from which a ring-down is linear |
 //! | `linear_system` | the small linear equations of the contacts |
 //! | `increasing_root` | a bracketed root, for contacts solved one by one |
+//! | `many_contacts` | structures with up to a thousand contacts, open at rest too |
 //! | `simd` | cases in the lanes of vectors |
 //! | `sensitivity` | derivatives of a case with respect to parameters |
 #![allow(
@@ -56,6 +57,7 @@ mod law_tables;
 mod linear_system;
 mod linear_tail;
 mod load_steps;
+mod many_contacts;
 mod oscillator;
 mod prepared_case;
 mod ring_down;
@@ -80,6 +82,7 @@ use crate::{DynamicsError, InstructionSet, Sampling, Transient};
 pub use assembly::ModalModel;
 pub use batch::Batch;
 pub use decimation::Decimation;
+pub use many_contacts::{MOST_CONTACTS, ManyContacts};
 pub use sensitivity::{ContactMeasures, ParameterVariation, Sensitivity, StepHistory};
 pub use step_size::COARSE_RESIDUAL;
 pub use transient_case::{CaseResponse, TransientCase};

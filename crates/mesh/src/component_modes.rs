@@ -1,6 +1,6 @@
 //! Component modes: free-interface normal modes with residual flexibility at ports.
 
-use faer::{Mat, Side};
+use faer::{Mat, Scale, Side};
 
 use crate::PortPair;
 use crate::error::{MeshError, not_negative};
@@ -120,9 +120,15 @@ pub(crate) fn massless_modes(
     w: f64,
     retardation_time: f64,
 ) -> Vec<NormalMode> {
+    // The eigenvalue algorithm loses digits of numbers far below 1.
+    let scale = (0..ports.len()).map(|i| flexibility[(i, i)]).fold(0.0, f64::max);
+    if scale == 0.0 {
+        return Vec::new();
+    }
+    let scaled = flexibility * Scale(scale.recip());
     // A symmetric matrix of numbers has its eigenvalues; without them nothing yields.
-    let Ok(found) = flexibility.self_adjoint_eigen(Side::Lower) else { return Vec::new() };
-    let values = found.S().column_vector();
+    let Ok(found) = scaled.self_adjoint_eigen(Side::Lower) else { return Vec::new() };
+    let values: Vec<f64> = found.S().column_vector().iter().map(|value| scale * value).collect();
     let largest = values.iter().copied().fold(0.0, f64::max);
     let mode = |k: usize| {
         let mut participations = vec![0.0; count];

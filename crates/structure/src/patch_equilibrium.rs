@@ -313,14 +313,20 @@ fn flexible_coordinates(
     let places: Vec<PortPair> =
         pairs.iter().copied().chain(forces.iter().map(|&(port, _)| PortPair::on_ground(port))).collect();
     let count = places.len();
-    let matrix = Mat::from_fn(count, count, |i, j| modes.residual().closure(places[i], places[j]));
+    let residual = |i: usize, j: usize| modes.residual().closure(places[i], places[j]);
+    // The eigenvalue algorithm loses digits of numbers far below 1.
+    let scale = (0..count).map(|i| residual(i, i)).fold(0.0, f64::max);
+    if scale == 0.0 {
+        return Ok(Vec::new());
+    }
+    let matrix = Mat::from_fn(count, count, |i, j| residual(i, j) / scale);
     let found = matrix
         .self_adjoint_eigen(Side::Lower)
         .map_err(|_| StructureError::Eigenvalues { size: count })?;
     let values = found.S().column_vector();
     let largest = values.iter().copied().fold(0.0, f64::max);
     let coordinate = |k: usize| {
-        let at = |i: usize| values[k].sqrt() * found.U()[(i, k)];
+        let at = |i: usize| (scale * values[k]).sqrt() * found.U()[(i, k)];
         let load = forces.iter().enumerate().map(|(n, (_, force))| force * at(pairs.len() + n));
         ((0..pairs.len()).map(at).collect(), load.sum())
     };

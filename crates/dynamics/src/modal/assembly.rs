@@ -162,6 +162,9 @@ impl ModalModel {
                 accepted: "1 to 16 (finite differences take more)",
             });
         }
+        if let Some(open) = structure.contacts().iter().find(|contact| contact.gap() > 0.0) {
+            return Err(DynamicsError::OpenAtRest { contact: open.name().to_owned() });
+        }
         let at = (load, sensors.to_vec());
         Ok(Self {
             structure,

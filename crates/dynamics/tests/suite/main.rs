@@ -16,6 +16,7 @@ mod friction;
 mod interface_waves;
 mod invalid_settings;
 mod linear_tail;
+mod many_contacts;
 mod modal_batch;
 mod modal_exact;
 mod modal_limits;

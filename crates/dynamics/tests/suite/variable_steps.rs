@@ -20,11 +20,11 @@ const STIFFNESS: f64 = 8.5e11;
 const GRAVITY: f64 = 9.81;
 
 /// A pull of half a sine that takes the block off the ground \[N\], \[s\].
-const PULL: f64 = 60.0;
-const DURATION: f64 = 0.8e-3;
+pub(crate) const PULL: f64 = 60.0;
+pub(crate) const DURATION: f64 = 0.8e-3;
 
 /// A block, rigid to rounding, on a unilateral spring.
-fn block() -> Stack {
+pub(crate) fn block() -> Stack {
     let law: Law = Arc::new(Constant::unilateral(STIFFNESS).unwrap());
     let block = Body::with_mass("block", 0.05, MASS, 1e19, 2710.0).unwrap();
     let contact = Interface::new("ground", AREA, law).unwrap();
@@ -53,7 +53,7 @@ fn moved(time: f64, [u, v]: [f64; 2], after: f64, touches: bool) -> [f64; 2] {
 }
 
 /// Displacements at multiples of `interval`, and the time apart, by closed forms between events.
-fn exact(interval: f64, count: usize) -> (Vec<f64>, f64) {
+pub(crate) fn exact(interval: f64, count: usize) -> (Vec<f64>, f64) {
     let level = -MASS * GRAVITY / (STIFFNESS * AREA);
     let (mut state, mut apart, mut found) = ([0.0, 0.0], 0.0, vec![0.0]);
     for n in 1..=count {

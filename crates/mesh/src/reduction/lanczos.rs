@@ -1,10 +1,13 @@
-//! Lowest modes of a sparse body by block Lanczos iteration on `(K + shift M)^-1 M`.
+//! Lowest modes of a sparse body by block Lanczos iteration on `(K + s M)^-1 M` with a small shift `s`.
 //!
 //! Every block is made orthogonal, in the product with M, to all before it, twice; the modes are the
-//! Rayleigh-Ritz vectors in the space of all blocks. When the wanted modes have converged, a further
-//! random block is added: modes that the first blocks cannot show, as copies of a repeated one, appear
-//! then. Source: G. H. Golub, R. Underwood, The block Lanczos method for computing eigenvalues,
-//! Mathematical Software III, 1977, 361.
+//! Rayleigh-Ritz vectors in the space of all blocks. Rigid motions, whose eigenvalue `1 / s` is far above
+//! all others, are found first and kept out of the iteration: their rounding would be larger than
+//! the others. When the wanted modes have converged, a further random block is added: modes that the first
+//! blocks cannot show, as copies of a repeated one, appear then.
+//!
+//! Source: G. H. Golub, R. Underwood, The block Lanczos method for computing eigenvalues, Mathematical
+//! Software III, 1977, 361.
 
 use faer::{Mat, Side};
 
@@ -14,9 +17,11 @@ use crate::{MeshError, SparseBody};
 /// Vectors of a block: more than the rigid motions of a body.
 const BLOCK: usize = 8;
 
-/// Residual of a converged vector over its eigenvalue: what a rigid motion has of modes left out appears in
-/// their flexibility, over the shift.
-const CONVERGED: f64 = 1e-12;
+/// Residual of a converged vector over its eigenvalue.
+const CONVERGED: f64 = 1e-10;
+
+/// Residual over the largest eigenvalue that is rounding.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Relative change of an eigenvalue by a further block that is none.
 const CONFIRMED: f64 = 1e-9;
@@ -25,8 +30,8 @@ const CONFIRMED: f64 = 1e-9;
 /// of it.
 const NOTHING_LEFT: f64 = 1e-10;
 
-/// Blocks over those that just hold the wanted modes before the iteration fails.
-const MOST_BLOCKS: usize = 40;
+/// Most vectors of the iteration: so many, and twice the wanted modes.
+const MOST_VECTORS: usize = 1000;
 
 /// Squared angular frequencies \[1/s2\], lowest first, and mass-normalised shapes by columns.
 pub(super) struct Eigenpairs {
@@ -34,79 +39,169 @@ pub(super) struct Eigenpairs {
     pub(super) shapes: Mat<f64>,
 }
 
-/// Vectors of the iteration, and the projection of `(K + shift M)^-1 M` on them.
+/// Vectors of the iteration, and the projection of the operator on them.
 struct Krylov<'a> {
     body: &'a SparseBody,
     factor: &'a Factor,
+    /// Modes that are known, to which all vectors are orthogonal.
+    known: Mat<f64>,
     basis: Mat<f64>,
-    /// Number of vectors in the basis.
+    /// Number of vectors in the basis, and the most that it may have.
     count: usize,
+    most: usize,
     projected: Mat<f64>,
     random: Random,
 }
 
-/// The `wanted` lowest modes, or all of a body that has not more.
+/// Blocks by which rigid motions are found.
+const RIGID_BLOCKS: usize = 3;
+
+/// The `wanted` lowest modes, or all of a body that has not more; all modes of squares up to `rigid`
+/// \[1/s2\] have the square zero.
 ///
 /// # Errors
-/// [`MeshError::Matrix`] when the iteration does not converge.
+/// [`MeshError::Matrix`] for a square below `-rigid`, or when the iteration does not converge.
 pub(super) fn lowest(
     body: &SparseBody,
     factor: &Factor,
-    shift: f64,
+    (shift, rigid): (f64, f64),
     wanted: usize,
 ) -> Result<Eigenpairs, MeshError> {
     let size = body.size();
-    let wanted = wanted.min(size);
-    let most = size.min(wanted + MOST_BLOCKS * BLOCK + wanted);
-    let mut krylov = Krylov {
-        body,
-        factor,
-        basis: Mat::zeros(size, most),
-        count: 0,
-        projected: Mat::zeros(most, most),
-        random: Random(0x9e37_79b9_7f4a_7c15),
-    };
-    let mut block = krylov.random_block(BLOCK.min(most));
+    let mut known = Mat::zeros(size, 0);
+    let mut block;
+    // Rigid motions, as many blocks of them as there are.
+    loop {
+        let mut krylov = Krylov::new(body, factor, known, RIGID_BLOCKS * BLOCK);
+        let start = krylov.random_block(BLOCK.min(krylov.room()));
+        krylov.iterate(start);
+        if krylov.count == 0 {
+            return Ok(Eigenpairs::rigid(krylov.known));
+        }
+        let found = krylov.ritz(shift)?;
+        if found.squares[0] < -rigid {
+            let problem = "not positive semidefinite";
+            return Err(MeshError::Matrix { matrix: "stiffness", problem });
+        }
+        let new = found.squares.iter().filter(|square| **square <= rigid).count();
+        let elastic = found.squares.len() - new;
+        block = krylov.shapes(&found.vectors, new, BLOCK.min(elastic));
+        if new == 0 {
+            known = krylov.known;
+            break;
+        }
+        // An inverse iteration takes off what the vectors have of other modes.
+        let rigid_shapes = krylov.shapes(&found.vectors, 0, new);
+        let mut improved = body.mass_times(rigid_shapes.as_ref());
+        factor.solve(&mut improved);
+        let lengths = krylov.lengths(&improved);
+        krylov.count = 0;
+        krylov.take_off(&mut improved);
+        let (improved, _) = krylov.orthonormal(&improved, &lengths, new);
+        known = beside(&krylov.known, &improved);
+    }
+    let rigid_count = known.ncols();
+    let elastic = wanted.saturating_sub(rigid_count).max(1).min(size - rigid_count);
+    let most = (2 * elastic + MOST_VECTORS).min(size - rigid_count);
+    let mut krylov = Krylov::new(body, factor, known, most);
     let mut last: Option<Vec<f64>> = None;
+    // The first vectors are orthonormal among themselves, not yet to all that is known.
+    let lengths = krylov.lengths(&block);
+    krylov.take_off(&mut block);
+    (block, _) = krylov.orthonormal(&block, &lengths, BLOCK.min(most));
     while block.ncols() > 0 {
         let (next, couplings) = krylov.extend(block);
-        let (values, vectors) = krylov.ritz()?;
-        if krylov.count >= wanted && is_converged(&values[..wanted], &vectors, &couplings) {
-            let found = &values[..wanted];
-            let same = |(a, b): (&f64, &f64)| (a - b).abs() <= CONFIRMED * a.abs();
-            if last.is_some_and(|last| last.iter().zip(found).all(same)) {
-                return Ok(krylov.eigenpairs(shift, found, &vectors));
-            }
-            last = Some(found.to_vec());
-            block = krylov.random_block(BLOCK.min(most - krylov.count));
-        } else {
-            block = next;
+        let found = krylov.ritz(shift)?;
+        block = next;
+        if krylov.count < elastic || !found.is_converged(elastic, &couplings) {
+            continue;
         }
+        let values = &found.values[..elastic];
+        let same = |(a, b): (&f64, &f64)| (a - b).abs() <= CONFIRMED * a.abs();
+        if last.is_some_and(|last| last.iter().zip(values).all(same)) {
+            return Ok(krylov.eigenpairs(&found, elastic));
+        }
+        last = Some(values.to_vec());
+        block = krylov.random_block(BLOCK.min(krylov.room()));
     }
-    let (values, vectors) = krylov.ritz()?;
-    if krylov.count == most && most < size {
+    if krylov.room() == 0 && most < size - rigid_count {
         let problem = "without converging eigenvalues";
         return Err(MeshError::Matrix { matrix: "stiffness", problem });
     }
     // The basis holds every motion with mass.
-    let wanted = wanted.min(krylov.count);
-    Ok(krylov.eigenpairs(shift, &values[..wanted], &vectors))
+    let found = krylov.ritz(shift)?;
+    Ok(krylov.eigenpairs(&found, elastic.min(krylov.count)))
 }
 
-/// True if the residuals of the vectors are small: `couplings` times their parts in the last block.
-fn is_converged(values: &[f64], vectors: &Mat<f64>, couplings: &Mat<f64>) -> bool {
-    let columns = couplings.ncols();
-    let last = vectors.subrows(vectors.nrows() - columns, columns).subcols(0, values.len());
-    let residuals = couplings * last;
-    values.iter().enumerate().all(|(k, value)| residuals.col(k).norm_l2() <= CONVERGED * value)
+/// The columns of `left`, and after them the columns of `right`.
+fn beside(left: &Mat<f64>, right: &Mat<f64>) -> Mat<f64> {
+    let columns = left.ncols();
+    Mat::from_fn(left.nrows().max(right.nrows()), columns + right.ncols(), |i, j| {
+        if j < columns { left[(i, j)] } else { right[(i, j - columns)] }
+    })
 }
 
-impl Krylov<'_> {
+/// Eigenvalues of the projected operator \[s2\], the largest first, the squares of their angular
+/// frequencies, and their vectors by columns.
+struct Ritz {
+    values: Vec<f64>,
+    squares: Vec<f64>,
+    vectors: Mat<f64>,
+}
+
+impl Ritz {
+    /// True if the residuals of the first `wanted` vectors are small: `couplings` times their parts in the
+    /// last block.
+    fn is_converged(&self, wanted: usize, couplings: &Mat<f64>) -> bool {
+        let columns = couplings.ncols();
+        let from = self.vectors.nrows() - columns;
+        let residuals = couplings * self.vectors.subrows(from, columns).subcols(0, wanted);
+        let bound = |value: f64| (CONVERGED * value).max(ROUNDING * self.values[0]);
+        let values = self.values[..wanted].iter().enumerate();
+        values.into_iter().all(|(k, &value)| residuals.col(k).norm_l2() <= bound(value))
+    }
+}
+
+impl Eigenpairs {
+    fn rigid(shapes: Mat<f64>) -> Self {
+        Self { squares: vec![0.0; shapes.ncols()], shapes }
+    }
+}
+
+impl<'a> Krylov<'a> {
+    /// No vectors yet, and room for `most` of them.
+    fn new(body: &'a SparseBody, factor: &'a Factor, known: Mat<f64>, most: usize) -> Self {
+        let most = most.min(body.size() - known.ncols());
+        Self {
+            body,
+            factor,
+            known,
+            basis: Mat::zeros(body.size(), 0),
+            count: 0,
+            most,
+            projected: Mat::zeros(most, most),
+            random: Random(0x9e37_79b9_7f4a_7c15),
+        }
+    }
+
+    /// Number of vectors that the basis has room for.
+    fn room(&self) -> usize {
+        self.most - self.count
+    }
+
+    /// Fills the basis from a first block.
+    fn iterate(&mut self, mut block: Mat<f64>) {
+        while block.ncols() > 0 {
+            (block, _) = self.extend(block);
+        }
+    }
+
     /// Takes `block`, orthonormal and orthogonal to the basis, into the basis. The next block, and its
     /// couplings to this one, by which the basis is no invariant space.
     fn extend(&mut self, block: Mat<f64>) -> (Mat<f64>, Mat<f64>) {
         let (from, added) = (self.count, block.ncols());
-        self.basis.subcols_mut(from, added).copy_from(&block);
+        let size = self.body.size();
+        self.basis.resize_with(size, from + added, |row, column| block[(row, column - from)]);
         self.count += added;
         let mut image = self.body.mass_times(block.as_ref());
         self.factor.solve(&mut image);
@@ -116,12 +211,14 @@ impl Krylov<'_> {
             along += self.take_off(&mut image);
         }
         self.projected.submatrix_mut(0, from, self.count, added).copy_from(&along);
-        let room = self.basis.ncols() - self.count;
+        let room = self.room();
         self.orthonormal(&image, &lengths, room)
     }
 
-    /// Takes the part along the basis off the columns of `vectors`, and returns it.
+    /// Takes the parts along known modes and the basis off the columns of `vectors`, and returns the second.
     fn take_off(&self, vectors: &mut Mat<f64>) -> Mat<f64> {
+        let known = self.known.transpose() * self.body.mass_times(vectors.as_ref());
+        *vectors -= &self.known * known;
         let basis = self.basis.subcols(0, self.count);
         let along = basis.transpose() * self.body.mass_times(vectors.as_ref());
         *vectors -= basis * &along;
@@ -215,25 +312,35 @@ impl Krylov<'_> {
         image
     }
 
-    /// The modes of the `values` \[s2\], with their coordinates by columns.
-    fn eigenpairs(&self, shift: f64, values: &[f64], vectors: &Mat<f64>) -> Eigenpairs {
-        let squares = values.iter().map(|value| 1.0 / value - shift).collect();
-        let coordinates = vectors.subcols(0, values.len());
-        Eigenpairs { squares, shapes: self.basis.subcols(0, self.count) * coordinates }
+    /// The known modes, and after them the first `wanted` ones of the basis.
+    fn eigenpairs(&self, found: &Ritz, wanted: usize) -> Eigenpairs {
+        let mut squares = vec![0.0; self.known.ncols()];
+        squares.extend(&found.squares[..wanted]);
+        let shapes = beside(&self.known, &self.shapes(&found.vectors, 0, wanted));
+        Eigenpairs { squares, shapes }
     }
 
-    /// Eigenvalues of the projected operator, the largest first, and their vectors by columns.
-    fn ritz(&self) -> Result<(Vec<f64>, Mat<f64>), MeshError> {
+    /// Shapes of `count` vectors from the vector `from` on.
+    fn shapes(&self, vectors: &Mat<f64>, from: usize, count: usize) -> Mat<f64> {
+        self.basis.subcols(0, self.count) * vectors.subcols(from, count)
+    }
+
+    /// Eigenvalues and vectors of the projected operator.
+    fn ritz(&self, shift: f64) -> Result<Ritz, MeshError> {
         let count = self.count;
-        let symmetric =
-            Mat::from_fn(count, count, |i, j| self.projected[(i.min(j), i.max(j))]);
+        // The eigenvalue algorithm loses digits of numbers far below 1.
+        let scale = (0..count).map(|k| self.projected[(k, k)]).fold(0.0, f64::max);
+        let entry = |i: usize, j: usize| self.projected[(i.min(j), i.max(j))] / scale;
+        let symmetric = Mat::from_fn(count, count, entry);
         let found = symmetric.self_adjoint_eigen(Side::Lower).map_err(|_| {
             let problem = "without converging eigenvalues";
             MeshError::Matrix { matrix: "stiffness", problem }
         })?;
         let values = found.S().column_vector();
-        let values = (0..count).rev().map(|k| values[k]).collect();
-        Ok((values, Mat::from_fn(count, count, |i, k| found.U()[(i, count - 1 - k)])))
+        let values: Vec<f64> = (0..count).rev().map(|k| scale * values[k]).collect();
+        let squares = values.iter().map(|value| 1.0 / value - shift).collect();
+        let vectors = Mat::from_fn(count, count, |i, k| found.U()[(i, count - 1 - k)]);
+        Ok(Ritz { values, squares, vectors })
     }
 }
 

@@ -1,0 +1,588 @@
+//! Modal steps with many contacts, coupled by a dense flexibility.
+//!
+//! Modes move exactly under forces that are held within a step at the mean of both ends; motions without
+//! inertia and the flexibility left out follow the force linearly. With the closures `x*` that the forces at
+//! the old end alone would give, and the flexibility `G` of a step, the closures at its end obey
+//!
+//! ```text
+//! x_i + sum_j G_ij A_j (p_j(x_j) - p_j0) = x*_i.
+//! ```
+//!
+//! Newton steps take the forces of closed contacts as unknowns, `(1 / (A k) + G) f = r`, which is symmetric and
+//! positive definite however stiff or soft the contacts are. Its factor is kept while stiffnesses
+//! change little. Contacts may be open at rest, and there may be hundreds.
+
+mod contact_forces;
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use asperity_law::ContactLaw;
+use asperity_mesh::{ComponentModes, PortPair};
+use asperity_structure::{LoadCase, PreloadedStructure};
+use faer::linalg::solvers::{Llt, Solve};
+use faer::{Mat, Side};
+
+use super::oscillator::{Dynamics, Propagator};
+use crate::contact_energy::excess;
+use crate::error::{balanced, check_modal_damping};
+use crate::{ContactExtremes, DynamicsError, EnergyLedger, History, Sampling, Transient};
+use contact_forces::ContactForces;
+
+/// Most contacts.
+pub const MOST_CONTACTS: usize = 1000;
+
+/// Newton steps within a step of time.
+const MOST_ITERATIONS: usize = 60;
+
+/// Residual of a closure over the largest so far at which the contact equations are solved, and the
+/// closure, over the largest of static pressure over stiffness, that counts at least.
+const SOLVED: f64 = 1e-11;
+const LEAST: f64 = 1e-4;
+
+/// Relative change of a stiffness up to which a factor is used again, and contacts from which on it is
+/// worth it.
+const SAME: f64 = 0.2;
+const WORTH_KEEPING: usize = 48;
+
+/// A structure in component modes with many contacts, under a load at one port, read at others.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use asperity_dynamics::{ManyContacts, Sampling};
+/// use asperity_law::{ContactLaw, Power};
+/// use asperity_mesh::{ComponentModes, NormalMode, PortPair, ResidualFlexibility};
+/// use asperity_structure::{
+///     Damping, LoadCase, PreloadedStructure, TimeFunction, UnloadedContact, contacts_at_rest,
+/// };
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// // A mass of 4 kg on two contacts, pressed down by its weight at port 2.
+/// let mass = NormalMode::rigid(vec![0.5, 0.5, 0.5]);
+/// let pairs = vec![PortPair::on_ground(0), PortPair::on_ground(1)];
+/// let modes = ComponentModes::new(vec![mass], ResidualFlexibility::zero(3), pairs, vec![])?;
+/// let law: Arc<dyn ContactLaw> = Arc::new(Power::new(1e8, 0.5, 0.0)?);
+/// let contact = |name: &str, gap: f64| UnloadedContact {
+///     name: name.to_owned(), area: 1e-4, law: Arc::clone(&law), gap, damping: None,
+/// };
+/// let contacts = [contact("near", 0.0), contact("far", 1e-3)];
+/// let at_rest = contacts_at_rest(&modes, &contacts, &[(2, 4.0 * 9.81)])?;
+/// assert!(at_rest[1].gap() > 0.0);
+///
+/// let structure = PreloadedStructure::of_components(modes, at_rest, Damping::Rate(50.0))?;
+/// let system = ManyContacts::new(Arc::new(structure), 2, vec![2])?;
+/// let pulse = LoadCase::force(TimeFunction::Haversine { duration: 1e-3 }, 20.0);
+/// let response = system.integrate(&pulse, &Sampling::new(0.05, 2e4)?, 4)?;
+/// assert!(response.energy.residual_relative() < 1e-2);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct ManyContacts {
+    structure: Arc<PreloadedStructure<ComponentModes>>,
+    load: usize,
+    sensors: Vec<usize>,
+    forces: ContactForces,
+}
+
+impl ManyContacts {
+    /// The structure under a load at its port `load`, read at its ports `sensors`.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Setting`] for more than [`MOST_CONTACTS`] contacts;
+    /// [`DynamicsError::Mesh`] for a port that does not exist; [`DynamicsError::Dissipative`] for contacts with
+    /// damping or friction; [`DynamicsError::ModalDamping`] for ratios of modes;
+    /// [`DynamicsError::Law`] for a law that cannot be tabulated.
+    pub fn new(
+        structure: Arc<PreloadedStructure<ComponentModes>>,
+        load: usize,
+        sensors: Vec<usize>,
+    ) -> Result<Self, DynamicsError> {
+        check_modal_damping(&structure)?;
+        let ports = structure.component_modes().ports();
+        if let Some(&port) = [load].iter().chain(&sensors).find(|&&port| port >= ports) {
+            return Err(asperity_mesh::MeshError::NoPort { port, ports }.into());
+        }
+        let count = structure.contacts().len();
+        if count > MOST_CONTACTS {
+            return Err(DynamicsError::Setting {
+                quantity: "number of contacts",
+                value: count as f64,
+                accepted: "1 to 1000",
+            });
+        }
+        let damped = structure.contacts().iter().find(|contact| contact.damping().is_some());
+        let dissipative = damped.map(|contact| contact.name()).or(structure.friction());
+        if let Some(element) = dissipative {
+            return Err(DynamicsError::Dissipative { element: element.to_owned() });
+        }
+        let forces = ContactForces::new(structure.contacts())?;
+        Ok(Self { structure, load, sensors, forces })
+    }
+
+    /// The structure with its contacts at rest.
+    pub fn structure(&self) -> &PreloadedStructure<ComponentModes> {
+        &self.structure
+    }
+
+    /// The response from rest to `load`, whose own port does not count, with `parts` steps between samples.
+    ///
+    /// The history has one interface for each contact.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Setting`] for a load out of range or no parts; [`DynamicsError::Unstable`] when the
+    /// contact equations of a step are not solved, [`DynamicsError::Coarse`] when the energy
+    /// balance does not close.
+    pub fn integrate(
+        &self,
+        load: &LoadCase,
+        sampling: &Sampling,
+        parts: usize,
+    ) -> Result<Transient, DynamicsError> {
+        load.check()?;
+        if parts == 0 {
+            let (quantity, accepted) = ("number of steps between samples", "at least 1");
+            return Err(DynamicsError::Setting { quantity, value: 0.0, accepted });
+        }
+        let step = sampling.interval() / parts as f64;
+        let mut run = Run::new(self, load, step);
+        let samples = sampling.samples();
+        let count = self.structure.contacts().len();
+        let mut history = History::with_capacity(samples, self.sensors.len(), count);
+        for sample in 0..samples {
+            run.record(sample as f64 * sampling.interval(), &mut history);
+            for part in 1..=parts {
+                run.advance((sample * parts + part) as f64 * step)?;
+            }
+        }
+        let steps = samples * parts;
+        let energy = run.energy();
+        balanced(energy.residual_relative(), step, "step")?;
+        let contacts = run.extremes.iter().map(|one| one.finished(steps)).collect();
+        Ok(Transient { step, steps, history, contacts, energy })
+    }
+}
+
+/// Extremes of a contact so far.
+#[derive(Debug, Clone, Copy)]
+struct Extremes {
+    pressure_min: f64,
+    pressure_max: f64,
+    lost: f64,
+    stiffness_sum: f64,
+}
+
+impl Extremes {
+    fn finished(&self, steps: usize) -> ContactExtremes {
+        ContactExtremes {
+            pressure_min: self.pressure_min,
+            pressure_max: self.pressure_max,
+            lost: self.lost,
+            stiffness_average: self.stiffness_sum / steps.max(1) as f64,
+        }
+    }
+}
+
+/// A mode and its step.
+struct SteppedMode {
+    closures: Vec<f64>,
+    load: f64,
+    sensors: Vec<f64>,
+    dynamics: Dynamics,
+    propagator: Propagator,
+    /// Of the force at the old and the new end, in the new displacement and velocity.
+    old: [f64; 2],
+    new: [f64; 2],
+}
+
+/// The state of a run.
+struct Run<'a> {
+    system: &'a ManyContacts,
+    load: &'a LoadCase,
+    step: f64,
+    modes: Vec<SteppedMode>,
+    /// Closure of each contact, and displacement of each sensor, per contact force and load of modes left out.
+    residual: Residual,
+    /// Flexibility of a step between contacts, and of the load in closures.
+    flexibility: Mat<f64>,
+    flexibility_load: Vec<f64>,
+    /// Displacements, velocities and forces of the modes.
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+    modal_force: Vec<f64>,
+    /// Closures from rest, at the end and at the end before, and force increments \[N\].
+    closures: Vec<f64>,
+    before: Vec<f64>,
+    forces: Vec<f64>,
+    stiffness: Vec<f64>,
+    load_value: f64,
+    kept: Option<KeptFactor>,
+    largest: f64,
+    extremes: Vec<Extremes>,
+    ledger: EnergyLedger,
+}
+
+/// A factor of the contact equations, the contacts that it is of and their stiffnesses \[N/m\].
+struct KeptFactor {
+    closed: Vec<usize>,
+    stiffness: Vec<f64>,
+    factor: Llt<f64>,
+}
+
+/// Flexibility of the modes left out.
+struct Residual {
+    closures: Mat<f64>,
+    load: Vec<f64>,
+    sensors: Vec<Vec<f64>>,
+    sensors_load: Vec<f64>,
+    own: f64,
+}
+
+impl Residual {
+    fn new(modes: &ComponentModes, load: usize, sensors: &[usize]) -> Self {
+        let (pairs, residual) = (modes.contacts(), modes.residual());
+        let of = |port: usize| {
+            let ground = PortPair::on_ground(port);
+            pairs.iter().map(|&pair| residual.closure(ground, pair)).collect::<Vec<f64>>()
+        };
+        Self {
+            closures: Mat::from_fn(pairs.len(), pairs.len(), |i, j| {
+                residual.closure(pairs[i], pairs[j])
+            }),
+            load: of(load),
+            sensors: sensors.iter().map(|&sensor| of(sensor)).collect(),
+            sensors_load: sensors.iter().map(|&sensor| residual.get(sensor, load)).collect(),
+            own: residual.get(load, load),
+        }
+    }
+}
+
+impl<'a> Run<'a> {
+    fn new(system: &'a ManyContacts, load: &'a LoadCase, step: f64) -> Self {
+        let structure = &*system.structure;
+        let component = structure.component_modes();
+        let (pairs, rate) = (component.contacts(), structure.damping_rate());
+        let stepped = |mode: &asperity_mesh::NormalMode| {
+            let dynamics = Dynamics {
+                angular_frequency: mode.angular_frequency,
+                rate: mode.total_damping(rate),
+                massless: mode.massless,
+            };
+            let propagator = dynamics.propagator(step);
+            let [constant, linear] = [propagator.moments[0], propagator.moments[1]];
+            let (old, new) = if mode.massless {
+                ([constant[0] - linear[0], 0.0], [linear[0], 0.0])
+            } else {
+                let half = constant.map(|moment| 0.5 * moment);
+                (half, half)
+            };
+            SteppedMode {
+                closures: pairs.iter().map(|&pair| mode.closure(pair)).collect(),
+                load: mode.ports[system.load],
+                sensors: system.sensors.iter().map(|&sensor| mode.ports[sensor]).collect(),
+                dynamics,
+                propagator,
+                old,
+                new,
+            }
+        };
+        let modes: Vec<SteppedMode> = component.modes().iter().map(stepped).collect();
+        let residual = Residual::new(component, system.load, &system.sensors);
+        let n = pairs.len();
+        let mut flexibility = residual.closures.clone();
+        let mut flexibility_load = residual.load.clone();
+        for mode in &modes {
+            for i in 0..n {
+                let along = mode.new[0] * mode.closures[i];
+                flexibility_load[i] += along * mode.load;
+                for j in 0..n {
+                    flexibility[(i, j)] += along * mode.closures[j];
+                }
+            }
+        }
+        let contacts = structure.contacts();
+        let extremes = contacts
+            .iter()
+            .map(|contact| Extremes {
+                pressure_min: contact.pressure(),
+                pressure_max: contact.pressure(),
+                lost: 0.0,
+                stiffness_sum: 0.0,
+            })
+            .collect();
+        let closed = contacts.iter().filter(|contact| contact.stiffness() > 0.0);
+        let scale = closed.map(|contact| contact.pressure().abs() / contact.stiffness());
+        let largest = LEAST * scale.fold(0.0, f64::max);
+        let load_value = load.value(0.0);
+        let modal_force = modes.iter().map(|mode| mode.load * load_value).collect();
+        let mut run = Self {
+            system,
+            load,
+            step,
+            displacement: vec![0.0; modes.len()],
+            velocity: vec![0.0; modes.len()],
+            modal_force,
+            closures: vec![0.0; n],
+            before: vec![0.0; n],
+            forces: vec![0.0; n],
+            stiffness: contacts.iter().map(|contact| contact.spring()).collect(),
+            modes,
+            residual,
+            flexibility,
+            flexibility_load,
+            load_value,
+            kept: None,
+            largest,
+            extremes,
+            ledger: EnergyLedger::default(),
+        };
+        if load_value != 0.0 {
+            run.settle();
+        }
+        run
+    }
+
+    /// Closures at a load that jumps at the start: the flexibility left out follows at once.
+    fn settle(&mut self) {
+        let free: Vec<f64> = self.residual.load.iter().map(|r| r * self.load_value).collect();
+        let flexibility = self.residual.closures.clone();
+        if self.solve(&free, &flexibility, 0.0).is_ok() {
+            self.before = self.closures.clone();
+        }
+        for (m, mode) in self.modes.iter().enumerate() {
+            self.modal_force[m] = mode.load * self.load_value
+                - mode.closures.iter().zip(&self.forces).map(|(b, f)| b * f).sum::<f64>();
+        }
+    }
+
+    /// Advances by one step, to `time` \[s\].
+    fn advance(&mut self, time: f64) -> Result<(), DynamicsError> {
+        let load = self.load.value(time);
+        let mut free: Vec<f64> = self.flexibility_load.iter().map(|g| g * load).collect();
+        let mut drift = Vec::with_capacity(self.modes.len());
+        for (m, mode) in self.modes.iter().enumerate() {
+            let z = [self.displacement[m], self.velocity[m]];
+            let moved = |row: [f64; 2], k: usize| {
+                row[0] * z[0] + row[1] * z[1] + mode.old[k] * self.modal_force[m]
+            };
+            let next = [moved(mode.propagator.displacement, 0), moved(mode.propagator.velocity, 1)];
+            for (value, closure) in free.iter_mut().zip(&mode.closures) {
+                *value += closure * next[0];
+            }
+            drift.push(next);
+        }
+        let before = self.load_displacement();
+        let old_closures = self.closures.clone();
+        let flexibility = std::mem::replace(&mut self.flexibility, Mat::zeros(0, 0));
+        let solved = self.solve(&free, &flexibility, time);
+        self.flexibility = flexibility;
+        solved?;
+        let mut loss = 0.0;
+        for (m, mode) in self.modes.iter().enumerate() {
+            let along: f64 = mode.closures.iter().zip(&self.forces).map(|(b, f)| b * f).sum();
+            let force = mode.load * load - along;
+            let rate = mode.dynamics.rate;
+            let old = [self.displacement[m], self.velocity[m]];
+            let new = [drift[m][0] + mode.new[0] * force, drift[m][1] + mode.new[1] * force];
+            loss += if mode.dynamics.massless {
+                rate * (new[0] - old[0]).powi(2) / self.step
+            } else {
+                // Velocities of a cubic through both ends, squared and integrated.
+                let rise = (new[0] - old[0]) / self.step;
+                let (a, b) = (old[1] - rise, new[1] - rise);
+                rate * self.step * (rise * rise + (2.0 * a * a + 2.0 * b * b - a * b) / 15.0)
+            };
+            (self.displacement[m], self.velocity[m]) = (new[0], new[1]);
+            self.modal_force[m] = force;
+        }
+        let mean_load = 0.5 * (load + self.load_value);
+        self.load_value = load;
+        self.ledger.input += mean_load * (self.load_displacement() - before);
+        self.ledger.dissipated += loss;
+        self.observe(&old_closures);
+        self.before = old_closures;
+        Ok(())
+    }
+
+    /// Solves the contact equations for closures `free` without contact forces.
+    fn solve(&mut self, free: &[f64], flexibility: &Mat<f64>, time: f64) -> Result<(), DynamicsError> {
+        let n = free.len();
+        let (forces, contacts) = (&self.system.forces, self.system.structure.contacts());
+        let mut x: Vec<f64> =
+            self.closures.iter().zip(&self.before).map(|(now, before)| 2.0 * now - before).collect();
+        let mut merit = f64::INFINITY;
+        let mut last: Option<(Vec<f64>, Vec<f64>)> = None;
+        for _ in 0..MOST_ITERATIONS {
+            forces.evaluate(contacts, &x, &mut self.forces, &mut self.stiffness);
+            let carried = flexibility * column(&self.forces);
+            let rest: Vec<f64> = (0..n).map(|i| free[i] - x[i] - carried[(i, 0)]).collect();
+            let size = rest.iter().fold(0.0, |most: f64, r| most.max(r.abs()));
+            self.largest = x.iter().fold(self.largest, |most, value| most.max(value.abs()));
+            if size <= SOLVED * self.largest {
+                self.closures = x;
+                return Ok(());
+            }
+            if !size.is_finite() {
+                break;
+            }
+            // A step that makes the residual much larger is halved.
+            if size > 2.0 * merit
+                && let Some((from, step)) = &mut last
+            {
+                step.iter_mut().for_each(|value| *value *= 0.5);
+                x = from.iter().zip(&*step).map(|(a, b)| a + b).collect();
+                continue;
+            }
+            merit = size;
+            let closed: Vec<usize> = (0..n).filter(|&i| self.stiffness[i] > 0.0).collect();
+            let right = Mat::from_fn(closed.len(), 1, |i, _| rest[closed[i]]);
+            let Some(factor) = self.factor(closed, flexibility) else { break };
+            let increments = factor.factor.solve(&right);
+            let mut change = vec![0.0; n];
+            for (k, &i) in factor.closed.iter().enumerate() {
+                change[i] = increments[(k, 0)];
+            }
+            let carried = flexibility * column(&change);
+            let step: Vec<f64> = (0..n).map(|i| rest[i] - carried[(i, 0)]).collect();
+            let next = x.iter().zip(&step).map(|(a, b)| a + b).collect();
+            last = Some((std::mem::replace(&mut x, next), step));
+        }
+        Err(self.unstable(time))
+    }
+
+    /// The factor of `1 / k + G` for the `closed` contacts: the kept one if it is close enough.
+    fn factor(&mut self, closed: Vec<usize>, flexibility: &Mat<f64>) -> Option<&KeptFactor> {
+        let same = |kept: &KeptFactor| {
+            let pairs = closed.iter().zip(&kept.stiffness);
+            kept.closed == closed
+                && closed.len() >= WORTH_KEEPING
+                && pairs.into_iter().all(|(&i, old)| (self.stiffness[i] - old).abs() <= SAME * old)
+        };
+        if !self.kept.as_ref().is_some_and(same) {
+            let matrix = Mat::from_fn(closed.len(), closed.len(), |a, b| {
+                let (i, j) = (closed[a], closed[b]);
+                flexibility[(i, j)] + if i == j { 1.0 / self.stiffness[i] } else { 0.0 }
+            });
+            let factor = matrix.llt(Side::Lower).ok()?;
+            let stiffness = closed.iter().map(|&i| self.stiffness[i]).collect();
+            self.kept = Some(KeptFactor { closed, stiffness, factor });
+        }
+        self.kept.as_ref()
+    }
+
+    fn unstable(&self, time_s: f64) -> DynamicsError {
+        let contacts = self.system.structure.contacts().iter().zip(&self.closures);
+        let worst = contacts.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        let interface = worst.map(|(contact, _)| contact.name().to_owned()).unwrap_or_default();
+        DynamicsError::Unstable { time_s, interface }
+    }
+
+    /// Takes the end of a step into the extremes; contact is lost from where a line between both ends
+    /// crosses first contact.
+    fn observe(&mut self, before: &[f64]) {
+        let contacts = self.system.structure.contacts();
+        for (i, contact) in contacts.iter().enumerate() {
+            let pressure = contact.pressure() + self.forces[i] / contact.area();
+            let one = &mut self.extremes[i];
+            one.pressure_min = one.pressure_min.min(pressure.max(self.system.forces.lowest(i)));
+            one.pressure_max = one.pressure_max.max(pressure);
+            one.stiffness_sum += self.stiffness[i] / contact.area();
+            let Some(lost) = self.system.forces.lost_at(i) else { continue };
+            let [old, new] = [before[i] - lost, self.closures[i] - lost];
+            let share = match (old < 0.0, new < 0.0) {
+                (true, true) => 1.0,
+                (false, false) => 0.0,
+                (true, false) => old / (old - new),
+                (false, true) => new / (new - old),
+            };
+            one.lost += share * self.step;
+        }
+    }
+
+    /// Displacement of the loaded port \[m\].
+    fn load_displacement(&self) -> f64 {
+        let carried: f64 = self.modes.iter().zip(&self.displacement).map(|(m, q)| m.load * q).sum();
+        let yielded: f64 = self.residual.load.iter().zip(&self.forces).map(|(r, f)| r * f).sum();
+        carried + self.residual.own * self.load_value - yielded
+    }
+
+    /// Motion of a sensor. Velocities and accelerations are those of the modes with inertia.
+    fn sensor(&self, number: usize) -> [f64; 3] {
+        let yielded: f64 =
+            self.residual.sensors[number].iter().zip(&self.forces).map(|(r, f)| r * f).sum();
+        let mut motion =
+            [self.residual.sensors_load[number] * self.load_value - yielded, 0.0, 0.0];
+        for (m, mode) in self.modes.iter().enumerate() {
+            let (shape, w) = (mode.sensors[number], mode.dynamics.angular_frequency);
+            motion[0] += shape * self.displacement[m];
+            if !mode.dynamics.massless {
+                motion[1] += shape * self.velocity[m];
+                motion[2] += shape
+                    * (self.modal_force[m]
+                        - mode.dynamics.rate * self.velocity[m]
+                        - w * w * self.displacement[m]);
+            }
+        }
+        motion
+    }
+
+    fn record(&self, time: f64, history: &mut History) {
+        history.time.push(time);
+        history.load.push(self.load_value);
+        for (number, sensor) in history.sensors.iter_mut().enumerate() {
+            sensor.push(self.sensor(number));
+        }
+        let contacts = self.system.structure.contacts();
+        for (i, interface) in history.interfaces.iter_mut().enumerate() {
+            let contact = &contacts[i];
+            let pressure = contact.pressure() + self.forces[i] / contact.area();
+            interface.push((
+                pressure.max(self.system.forces.lowest(i)),
+                contact.closure() + self.closures[i],
+                self.stiffness[i] / contact.area(),
+            ));
+        }
+    }
+
+    /// The ledger at the end.
+    fn energy(&self) -> EnergyLedger {
+        let mut ledger = self.ledger;
+        for (m, mode) in self.modes.iter().enumerate() {
+            if !mode.dynamics.massless {
+                ledger.kinetic += 0.5 * self.velocity[m].powi(2);
+            }
+            ledger.elastic +=
+                0.5 * (mode.dynamics.angular_frequency * self.displacement[m]).powi(2);
+        }
+        let carried = &self.residual.closures * column(&self.forces);
+        ledger.elastic += 0.5 * self.residual.own * self.load_value.powi(2);
+        let contacts = self.system.structure.contacts();
+        for (i, contact) in contacts.iter().enumerate() {
+            ledger.elastic += 0.5 * self.forces[i] * carried[(i, 0)]
+                - self.residual.load[i] * self.load_value * self.forces[i];
+            ledger.contact += contact.area() * excess(contact, self.closures[i]);
+        }
+        ledger
+    }
+}
+
+fn column(values: &[f64]) -> faer::MatRef<'_, f64> {
+    faer::MatRef::from_column_major_slice(values, values.len(), 1)
+}
+
+/// The number of each distinct law among some, and the laws.
+fn distinct(laws: impl Iterator<Item = Arc<dyn ContactLaw>>) -> (Vec<usize>, Vec<Arc<dyn ContactLaw>>) {
+    let mut numbers: HashMap<*const (), usize> = HashMap::new();
+    let mut kept: Vec<Arc<dyn ContactLaw>> = Vec::new();
+    let numbered = laws.map(|law| {
+        let next = kept.len();
+        let number = *numbers.entry(Arc::as_ptr(&law).cast::<()>()).or_insert(next);
+        if number == next {
+            kept.push(law);
+        }
+        number
+    });
+    let numbered = numbered.collect();
+    (numbered, kept)
+}

@@ -1,0 +1,188 @@
+//! Structures of finite elements against references by an independent program.
+//!
+//! The data are not part of this repository; without them these tests are skipped by name.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use asperity_law::{Constant, ContactLaw, Power};
+use asperity_matrices::{Dof, Matrices, MatricesFormat, MatrixFiles, SparseSymmetric};
+use asperity_mesh::{ComponentModes, PortPair, PortPattern, ReducedBody, SparseBody};
+use asperity_structure::{
+    Damping, PreloadedStructure, UnloadedContact, contacts_at_rest,
+};
+use faer::sparse::{SparseColMat, SymbolicSparseColMat};
+
+fn data(problem: &str) -> Option<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fe").join(problem);
+    let found = root.is_dir();
+    if !found {
+        eprintln!("skipped: no data of {problem}");
+    }
+    found.then_some(root)
+}
+
+fn sparse(matrix: &SparseSymmetric) -> SparseColMat<usize, f64> {
+    let (starts, rows) = (matrix.column_starts().to_vec(), matrix.rows().to_vec());
+    let size = matrix.size();
+    let symbolic = SymbolicSparseColMat::new_checked(size, size, starts, None, rows);
+    SparseColMat::new(symbolic, matrix.values().to_vec())
+}
+
+fn calculix(folder: &Path, name: &str) -> Matrices {
+    let file = |ending: &str| folder.join(format!("{name}.{ending}"));
+    asperity_matrices::read(&MatrixFiles {
+        format: MatricesFormat::Calculix,
+        stiffness: file("sti"),
+        mass: Some(file("mas")),
+        rows: Some(file("dof")),
+    })
+    .unwrap()
+}
+
+/// The blocks at rest under their loads and weight, with ports of cells, loads and hammer.
+fn two_blocks(
+    folder: &Path,
+    name: &str,
+    modes: usize,
+) -> PreloadedStructure<ComponentModes> {
+    let matrices = calculix(folder, name);
+    let row = |dof: Dof| matrices.row(dof).unwrap();
+    let cells = asperity_matrices::read_cells(&folder.join("cells.csv")).unwrap();
+    let mut ports: Vec<PortPattern> = cells
+        .iter()
+        .map(|cell| cell.weights.iter().map(|one| (row(one.dof), one.weight)).collect())
+        .collect();
+    let loads = asperity_matrices::read_loads(&folder.join("loads.csv")).unwrap();
+    ports.push(loads.iter().map(|load| (row(load.dof), load.force_n)).collect());
+    // Internal rows of incompatible modes, of nodes beyond those of the deck, are no displacements.
+    let vertical: Vec<f64> = matrices
+        .dofs()
+        .iter()
+        .map(|dof| if dof.direction == 3 && dof.node <= 300 { 1.0 } else { 0.0 })
+        .collect();
+    let weight = matrices.mass().multiply(&vertical);
+    ports.push(weight.iter().map(|mass| -9.81 * mass).enumerate().collect());
+    ports.push(vec![(row(Dof::new(172, 3)), 1.0)]);
+    let body = SparseBody::new(sparse(matrices.stiffness()), sparse(matrices.mass()), Vec::new());
+    let reduced = ReducedBody::new(&body.unwrap(), &ports, modes).unwrap();
+    let pairs = (0..cells.len()).map(PortPair::on_ground).collect();
+    let modes = reduced.component_modes(4e-7, pairs).unwrap();
+    let law: Arc<dyn ContactLaw> = Arc::new(Power::new(1e8, 0.5, 0.0).unwrap());
+    let unloaded: Vec<UnloadedContact> = cells
+        .iter()
+        .map(|cell| UnloadedContact {
+            name: cell.name.clone(),
+            area: cell.area_m2,
+            law: Arc::clone(&law),
+            gap: 0.0,
+            damping: None,
+        })
+        .collect();
+    let loads = [(cells.len(), 1.0), (cells.len() + 1, 1.0)];
+    let contacts = contacts_at_rest(&modes, &unloaded, &loads).unwrap();
+    PreloadedStructure::of_components(modes, contacts, Damping::Rate(60.0)).unwrap()
+}
+
+fn assert_close(own: f64, expected: f64, tolerance: f64) {
+    assert!((own / expected - 1.0).abs() < tolerance, "{own} {expected}");
+}
+
+#[test]
+fn two_blocks_rest_and_vibrate_as_by_the_reference() {
+    let Some(folder) = data("two_blocks") else { return };
+    // The inertia of the modes left out is neglected.
+    for (modes, tolerance) in [(20, 2e-6), (60, 1e-6), (492, 2e-9)] {
+        let structure = two_blocks(&folder, "two_blocks", modes);
+        let force: f64 = structure.contacts().iter().map(|one| one.area() * one.pressure()).sum();
+        assert_close(force, 240.850_723_2, 2e-9);
+        let pressures = [
+            69.148, 107.893, 155.078, 210.786, 76.062, 116.570, 165.576, 223.149, 83.277, 125.570,
+            176.454, 236.029, 90.835, 134.929, 187.762, 249.388,
+        ];
+        for (contact, kilopascal) in structure.contacts().iter().zip(pressures) {
+            assert_close(contact.pressure(), 1e3 * kilopascal, 1e-5);
+        }
+        let found = structure.port_modes(6).unwrap();
+        let frequencies =
+            [3429.41661, 3642.38494, 4383.65610, 12060.5388, 17288.4109, 21862.5587];
+        let ratios = [0.001_410_9, 0.001_336_3, 0.001_120_7, 0.015_550_8, 0.021_999_1, 0.027_690_1];
+        for (mode, (frequency, ratio)) in found.iter().zip(frequencies.into_iter().zip(ratios)) {
+            assert_close(mode.frequency_hz, frequency, tolerance);
+            assert_close(mode.damping_ratio, ratio, 4e-5);
+        }
+    }
+}
+
+/// Rows of incompatible modes are kept as rows without weight.
+#[test]
+fn internal_rows_are_no_displacements() {
+    let Some(folder) = data("two_blocks") else { return };
+    let structure = two_blocks(&folder, "two_blocks_c3d8i", 60);
+    let found = structure.port_modes(6).unwrap();
+    let frequencies =
+        [3427.44038, 3640.00206, 4379.20902, 11247.6467, 16039.6482, 20241.4462];
+    for (mode, frequency) in found.iter().zip(frequencies) {
+        assert_close(mode.frequency_hz, frequency, 1e-6);
+    }
+}
+
+/// A lap joint of two beams, bolted: free, with open cells and bolts that pull on both.
+#[test]
+fn the_reduced_beam_rests_and_vibrates_as_by_the_reference() {
+    let Some(folder) = data("brake_reuss") else { return };
+    let model = asperity_matrices::read_reduced(&folder.join("brake_reuss_reduced.mat")).unwrap();
+    let dense = |matrix: &asperity_matrices::DenseMatrix| {
+        faer::Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| matrix.get(i, j))
+    };
+    let (stiffness, mass) = (dense(&model.stiffness), dense(&model.mass));
+    let size = mass.nrows();
+    let row = |matrix: &asperity_matrices::DenseMatrix, row: usize| -> PortPattern {
+        (0..size).map(|column| (column, matrix.get(row, column))).collect()
+    };
+    let cells = model.areas_m2.len();
+    let mut ports: Vec<PortPattern> = (0..cells).map(|cell| row(&model.closure, cell)).collect();
+    ports.push(model.loads.iter().copied().enumerate().collect());
+    let pairs = (0..cells).map(PortPair::on_ground).collect();
+    let matrices = (stiffness.as_ref(), mass.as_ref());
+    let modes = ComponentModes::from_matrices(matrices, &ports, pairs, size).unwrap();
+    let contacts = |law: Arc<dyn ContactLaw>| {
+        let contact = |area: &f64| UnloadedContact {
+            name: "cell".to_owned(),
+            area: *area,
+            law: Arc::clone(&law),
+            gap: 0.0,
+            damping: None,
+        };
+        model.areas_m2.iter().map(contact).collect::<Vec<_>>()
+    };
+    let frequencies = |law: Arc<dyn ContactLaw>| {
+        let at_rest = contacts_at_rest(&modes, &contacts(law), &[(cells, 1.0)]).unwrap();
+        let open = at_rest.iter().filter(|contact| contact.gap() > 0.0).count();
+        let structure =
+            PreloadedStructure::of_components(modes.clone(), at_rest, Damping::Rate(0.0)).unwrap();
+        let found = structure.port_modes(16).unwrap();
+        let elastic: Vec<f64> =
+            found.iter().map(|mode| mode.frequency_hz).filter(|frequency| *frequency > 1.0).collect();
+        assert_eq!(found.len() - elastic.len(), 6);
+        (open, elastic)
+    };
+    let (open, linear) = frequencies(Arc::new(Constant::new(1_042_475_690_030.833_6).unwrap()));
+    assert_eq!(open, 0);
+    let expected = [
+        147.0118, 156.5419, 584.4114, 648.8191, 921.0021, 963.3504, 1139.0655, 1510.2373, 1725.0635,
+        1931.8840,
+    ];
+    for (own, expected) in linear.iter().zip(expected) {
+        assert_close(*own, expected, 2e-5);
+    }
+    let (open, power) = frequencies(Arc::new(Power::new(2.5e9, 0.5, 0.0).unwrap()));
+    assert!(open > 0, "{open}");
+    let expected = [
+        148.4033, 156.5448, 588.0532, 649.0043, 921.4469, 963.7154, 1140.1344, 1539.9567, 1734.8473,
+        1933.4864,
+    ];
+    for (own, expected) in power.iter().zip(expected) {
+        assert_close(*own, expected, 2e-5);
+    }
+}
