@@ -1,6 +1,7 @@
 //! Small structures written in every format, and read back.
 
 mod files;
+mod hostile;
 
 use asperity_matrices::{
     Dof, Matrices, MatricesError, MatricesFormat, ReducedModel, SparseSymmetric, read_bytes,
