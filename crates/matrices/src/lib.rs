@@ -15,7 +15,7 @@
 //! | [Abaqus](MatricesFormat::Abaqus) | `.mtx` of `*MATRIX OUTPUT`, formats MATRIX INPUT and COORDINATE |
 //! | [Matrix Market](MatricesFormat::MatrixMarket) | `.mtx`, coordinate, symmetric or general |
 //! | [MATLAB](MatricesFormat::Matlab) | `.mat` of versions 5 to 7, sparse or full |
-//! | [NumPy](MatricesFormat::Npz) | `.npz`, among them systems of `SDynPy` |
+//! | [NumPy](MatricesFormat::Npz) | `.npz`, among them systems of SDynPy |
 //!
 //! [`read_reduced`] takes a reduced model: dense matrices with the closure rows `W` of contact cells.
 //! [`read_cells`] and [`read_loads`] take the cells of contact patches and nodal forces from CSV;

@@ -65,7 +65,7 @@ pub(crate) fn read(file: &str, bytes: &[u8]) -> Result<Arrays, MatricesError> {
             .map_err(|_| early(format!("the variable at byte {at} is longer")))?;
         match element.kind {
             MATRIX => {
-                variable(Elements { rest: element.data, endian }, &mut arrays).map_err(wrong)?
+                variable(Elements { rest: element.data, endian }, &mut arrays).map_err(wrong)?;
             }
             COMPRESSED => {
                 let unfolded = unfold(element.data, endian).map_err(wrong)?;
@@ -166,11 +166,11 @@ fn variable(mut elements: Elements<'_>, arrays: &mut Arrays) -> Result<(), Fault
     let name = String::from_utf8_lossy(elements.next(false)?.data).into_owned();
     let class = flags & 0xff;
     let &[rows, columns] = &dimensions[..] else {
-        arrays.leave_out(name, "has more than two dimensions");
+        arrays.leave_out(&name, "has more than two dimensions");
         return Ok(());
     };
     if flags & COMPLEX != 0 {
-        arrays.leave_out(name, "is complex");
+        arrays.leave_out(&name, "is complex");
     } else if class == SPARSE {
         let array = sparse(&mut elements, &name, rows, columns)?;
         arrays.add(name, array);
@@ -182,7 +182,7 @@ fn variable(mut elements: Elements<'_>, arrays: &mut Arrays) -> Result<(), Fault
         }
         arrays.add(name, Array::Dense(DenseMatrix::new(rows, columns, values)));
     } else {
-        arrays.leave_out(name, "is not an array of numbers");
+        arrays.leave_out(&name, "is not an array of numbers");
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Arrays of a NumPy archive.
 //!
 //! Source: NumPy Enhancement Proposal 1. Real arrays of at most two dimensions, and structured arrays with
-//! the fields `node` and `direction`, as `SDynPy` writes them.
+//! the fields `node` and `direction`, as SDynPy writes them.
 
 use std::io::{Cursor, Read};
 
@@ -43,7 +43,7 @@ pub(crate) fn read(file: &str, bytes: Vec<u8>) -> Result<Arrays, MatricesError> 
         read.map_err(|error| wrong(place.clone(), error.to_string(), "a whole array"))?;
         match array(&bytes) {
             Ok(Some(array)) => arrays.add(name, array),
-            Ok(None) => arrays.leave_out(name, "is not a real array of at most two dimensions"),
+            Ok(None) => arrays.leave_out(&name, "is not a real array of at most two dimensions"),
             Err((found, expected)) => return Err(wrong(place, found, expected)),
         }
     }

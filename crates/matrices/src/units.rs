@@ -49,10 +49,10 @@ impl Matrices {
         if units == MatrixUnits::SI {
             return;
         }
-        let per_length = |rotations: usize| units.length_m.powi(rotations as i32);
         let (mass, stiffness) = (units.mass_kg, units.mass_kg / (units.time_s * units.time_s));
-        self.scale(|a: Dof, b: Dof| {
-            let power = per_length(usize::from(a.is_rotation()) + usize::from(b.is_rotation()));
+        let arm = |dof: Dof| if dof.is_rotation() { units.length_m } else { 1.0 };
+        self.scale(|row, column| {
+            let power = arm(row) * arm(column);
             [stiffness * power, mass * power]
         });
     }

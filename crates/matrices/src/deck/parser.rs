@@ -208,15 +208,12 @@ impl Parser {
                 let Some(numbers) = numbers.filter(|numbers| !numbers.is_empty()) else {
                     return wrong("`element, node, node, ...`, whole numbers");
                 };
-                let element = match open {
-                    Some(element) => {
-                        element.nodes.extend(&numbers);
-                        element
-                    }
-                    None => {
-                        let (number, nodes) = (numbers[0], numbers[1..].to_vec());
-                        open.insert(MeshElement { number, kind: *kind, nodes })
-                    }
+                let element = if let Some(element) = open {
+                    element.nodes.extend(&numbers);
+                    element
+                } else {
+                    let (number, nodes) = (numbers[0], numbers[1..].to_vec());
+                    open.insert(MeshElement { number, kind: *kind, nodes })
                 };
                 let complete = match kind.nodes() {
                     Some(count) => element.nodes.len() >= count,
