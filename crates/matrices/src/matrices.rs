@@ -258,9 +258,9 @@ pub(crate) fn both<T: Send>(
 ) -> Result<[T; 2], MatricesError> {
     std::thread::scope(|scope| {
         let mass = scope.spawn(|| read(mass));
-        let stiffness = read(stiffness)?;
-        let mass = mass.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-        Ok([stiffness, mass])
+        let stiffness = read(stiffness);
+        let mass = mass.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        Ok([stiffness?, mass?])
     })
 }
 

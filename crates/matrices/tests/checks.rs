@@ -1,4 +1,5 @@
 //! Findings and rigid motions of small structures.
+#![allow(clippy::unwrap_used, reason = "the structures are valid")]
 
 use asperity_matrices::{Dof, Matrices, Nodes, RigidMotions, SparseSymmetric};
 

@@ -73,7 +73,8 @@ fn nodes_elements_sets_and_surfaces_are_read() -> Outcome {
 
 #[test]
 fn a_quadratic_element_takes_as_many_lines_as_it_needs() -> Outcome {
-    let nodes: String = (1..=20).map(|node| format!("{node}, {node}, 0, 0\n")).collect();
+    let nodes: String =
+        (1..=20).map(|node| format!("{node}, {node}, 0, 0\n")).collect::<Vec<_>>().concat();
     let element = "*ELEMENT, TYPE=C3D20R\n1,1,2,3,4,5,6,7,8,9,10\n11,12,13,14,15,16,17,18,19,20\n";
     let surface = "*SURFACE, NAME=A, TYPE=ELEMENT\n1,S1\n";
     let deck = Deck::of_text("a.inp", &format!("*NODE\n{nodes}{element}{surface}"))?;

@@ -1,4 +1,5 @@
 //! The files of two test problems, in all formats. Skipped where they are absent.
+#![allow(clippy::print_stderr, reason = "a test without its data says that it was skipped")]
 
 use std::path::{Path, PathBuf};
 
@@ -8,12 +9,12 @@ use asperity_matrices::{
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-/// The folder of the test problems; none where it is absent.
-fn problems() -> Option<PathBuf> {
+/// The folder of the test problems; none where it is absent, for the test of this name.
+fn problems(test: &str) -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fe");
     let found = folder.is_dir().then_some(folder);
     if found.is_none() {
-        eprintln!("skipped: no ../shared/data/fe");
+        eprintln!("skipped {test}: no ../shared/data/fe");
     }
     found
 }
@@ -46,7 +47,7 @@ fn entries(matrices: &Matrices) -> [Vec<(Dof, Dof, u64)>; 2] {
 
 #[test]
 fn all_formats_hold_the_same_numbers() -> Outcome {
-    let Some(folder) = problems() else { return Ok(()) };
+    let Some(folder) = problems("all_formats_hold_the_same_numbers") else { return Ok(()) };
     let calculix = ["two_blocks.sti", "two_blocks.mas", "two_blocks.dof"];
     let calculix = read(&files(&folder, MatricesFormat::Calculix, calculix))?;
     assert_eq!(calculix.size(), 492);
@@ -74,7 +75,7 @@ fn all_formats_hold_the_same_numbers() -> Outcome {
 
 #[test]
 fn cells_and_loads_name_rows() -> Outcome {
-    let Some(folder) = problems() else { return Ok(()) };
+    let Some(folder) = problems("cells_and_loads_name_rows") else { return Ok(()) };
     let names = ["two_blocks.sti", "two_blocks.mas", "two_blocks.dof"];
     let matrices = read(&files(&folder, MatricesFormat::Calculix, names))?;
     let cells = read_cells(&folder.join("two_blocks/cells.csv"))?;
@@ -94,7 +95,7 @@ fn cells_and_loads_name_rows() -> Outcome {
 
 #[test]
 fn the_reduced_model_is_read() -> Outcome {
-    let Some(folder) = problems() else { return Ok(()) };
+    let Some(folder) = problems("the_reduced_model_is_read") else { return Ok(()) };
     let model = read_reduced(&folder.join("brake_reuss/brake_reuss_reduced.mat"))?;
     assert_eq!((model.stiffness.rows(), model.mass.columns()), (125, 125));
     assert_eq!((model.closure.rows(), model.closure.columns()), (76, 125));
@@ -115,7 +116,7 @@ fn area(deck: &Deck, corners: &[i64]) -> f64 {
 
 #[test]
 fn surfaces_of_the_deck_are_the_cells() -> Outcome {
-    let Some(folder) = problems() else { return Ok(()) };
+    let Some(folder) = problems("surfaces_of_the_deck_are_the_cells") else { return Ok(()) };
     let deck = Deck::read(&folder.join("two_blocks/two_blocks.inp"))?;
     assert_eq!(deck.nodes().count(), 230);
     assert_eq!(deck.node_set("HAMMER")?, [172]);
@@ -137,7 +138,9 @@ fn surfaces_of_the_deck_are_the_cells() -> Outcome {
 
 #[test]
 fn internal_rows_of_incompatible_modes_have_no_weight() -> Outcome {
-    let Some(folder) = problems() else { return Ok(()) };
+    let Some(folder) = problems("internal_rows_of_incompatible_modes_have_no_weight") else {
+        return Ok(());
+    };
     let deck = Deck::read(&folder.join("two_blocks/two_blocks.inp"))?;
     let names = ["two_blocks_c3d8i.sti", "two_blocks_c3d8i.mas", "two_blocks_c3d8i.dof"];
     let c3d8i = read(&files(&folder, MatricesFormat::Calculix, names))?;

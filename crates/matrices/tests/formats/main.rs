@@ -1,4 +1,5 @@
 //! Small structures written in every format, and read back.
+#![allow(clippy::unwrap_used, reason = "writing to memory does not fail")]
 
 mod files;
 mod hostile;
@@ -33,7 +34,8 @@ fn rows_of(matrices: &Matrices) -> Vec<f64> {
 }
 
 fn rows_text(matrices: &Matrices) -> String {
-    matrices.dofs().iter().map(|dof| format!("{}.{}\n", dof.node, dof.direction)).collect()
+    let rows = matrices.dofs().iter().map(|dof| format!("{}.{}\n", dof.node, dof.direction));
+    rows.collect::<Vec<_>>().concat()
 }
 
 #[test]
@@ -121,7 +123,8 @@ fn texts_plain_and_gzip_are_the_same() {
         entries
             .iter()
             .map(|(row, column, value)| format!("{} {} {value:e}\n", column + 1, row + 1))
-            .collect()
+            .collect::<Vec<_>>()
+            .concat()
     };
     let [k, m] = [expected.stiffness(), expected.mass()].map(text);
     let rows = rows_text(&expected);
@@ -226,6 +229,9 @@ fn files_of_matlab_that_cannot_be_read_say_what_to_do() {
     assert!(error.contains("ends early") && error.contains("the variable at byte 128"), "{error}");
 }
 
+/// Name, rows, columns and values of arrays.
+type Parts = Vec<(&'static str, usize, usize, Vec<f64>)>;
+
 #[test]
 fn a_reduced_model_has_matching_shapes() {
     let parts = [
@@ -236,7 +242,7 @@ fn a_reduced_model_has_matching_shapes() {
         ("f", 2, 1, vec![0.0, -5.0]),
         ("R", 1, 2, vec![1.0, 0.0]),
     ];
-    let read = |change: &dyn Fn(&mut Vec<(&'static str, usize, usize, Vec<f64>)>)| {
+    let read = |change: &dyn Fn(&mut Parts)| {
         let mut parts = parts.to_vec();
         change(&mut parts);
         let mut mat = Mat::new(false, true);
@@ -252,9 +258,7 @@ fn a_reduced_model_has_matching_shapes() {
     // Loads and responses may be absent.
     let model = read(&|parts| parts.truncate(4)).unwrap();
     assert_eq!((model.loads, model.responses.rows()), (vec![0.0; 2], 0));
-    let error = |change: &dyn Fn(&mut Vec<(&'static str, usize, usize, Vec<f64>)>)| {
-        read(change).unwrap_err().to_string()
-    };
+    let error = |change: &dyn Fn(&mut Parts)| read(change).unwrap_err().to_string();
     assert_eq!(
         error(&|parts| parts[3].3[1] = 0.0),
         "r.mat, array area: element 2 is 0; expected positive areas"
