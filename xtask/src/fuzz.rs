@@ -26,7 +26,7 @@ type Target = (&'static str, usize, Option<(&'static str, &'static str, usize)>)
 
 const MEASURED: &str = "fixtures/reference/measure";
 
-const TARGETS: [Target; 15] = [
+const TARGETS: [Target; 17] = [
     ("scenario", 4096, Some(("fixtures/scenarios", "json", 0))),
     ("set", 256, None),
     ("vary", 256, None),
@@ -42,6 +42,8 @@ const TARGETS: [Target; 15] = [
     ("wav", 1 << 16, None),
     ("tdms", 1 << 16, Some((MEASURED, "tdms", 4))),
     ("hdf5", 1 << 16, Some((MEASURED, "h5", 8))),
+    ("matrices", 1 << 14, None),
+    ("deck", 1 << 14, None),
 ];
 
 /// Options of `cargo xtask fuzz`.

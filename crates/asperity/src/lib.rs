@@ -42,6 +42,7 @@
 //! | response to a hit | [`dynamics`] | [`Simulation`], [`dynamics::Integrator`] |
 //! | response to a shaker, backbones | [`harmonic`] | [`harmonic::trace`] |
 //! | spectra, FRFs, harmonics, damping | [`signal`] | [`signal::FrequencyResponse`], [`signal::hammer_test`] |
+//! | files of finite-element programs | [`matrices`] | [`matrices::read()`], [`matrices::Deck`] |
 //!
 //! From a measurement to a law:
 //!
@@ -90,6 +91,7 @@ pub use asperity_harmonic as harmonic;
 pub use asperity_identify as identify;
 pub use asperity_inference as inference;
 pub use asperity_law as law;
+pub use asperity_matrices as matrices;
 pub use asperity_measure as measure;
 pub use asperity_mesh as mesh;
 pub use asperity_plot as plot;

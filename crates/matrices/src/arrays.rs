@@ -73,7 +73,7 @@ impl Arrays {
     }
 
     /// Remembers an array that cannot be used, for messages.
-    pub(crate) fn leave_out(&mut self, name: String, reason: &str) {
+    pub(crate) fn leave_out(&mut self, name: &str, reason: &str) {
         self.left_out.push(format!("{name} {reason}"));
     }
 
@@ -183,7 +183,7 @@ impl Arrays {
         (0..array.rows()).map(row).collect()
     }
 
-    /// The transformation of a system of `SDynPy` is the identity: its rows are degrees of freedom of nodes.
+    /// The transformation of a system of SDynPy is the identity: its rows are degrees of freedom of nodes.
     fn check_transformation(&mut self) -> Result<(), MatricesError> {
         let Some(transformation) = self.take(["transformation", ""]) else { return Ok(()) };
         let (rows, columns) = transformation.shape();
@@ -271,7 +271,7 @@ impl Arrays {
         self.check_shape(name, &array, (size, size))?;
         self.check_finite(name, &array)?;
         // Rows of a reduced model have numbers only.
-        let dofs: Vec<Dof> = (1..=size as i64).map(|row| Dof::new(row, 1)).collect();
+        let dofs: Vec<Dof> = (1..).take(size).map(|row| Dof::new(row, 1)).collect();
         let file = format!("{}, array {name}", self.file);
         let matrix = assemble(&file, &dofs, array.entries(), Triangles::OneOrBoth)?.matrix;
         let mut values = vec![0.0; size * size];

@@ -11,7 +11,7 @@ use crate::{Dof, MatricesError};
 /// Its closure is `d = sum of weight u(dof)`, positive when the faces approach. A pressure `p` on the cell
 /// is the force `-weight area p` on each of the degrees of freedom.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Cell {
+pub struct ContactCell {
     /// Its name in the file, most often a number.
     pub name: String,
     /// Area in m^2.
@@ -33,7 +33,7 @@ pub struct CellWeight {
 
 /// A force on a degree of freedom.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Load {
+pub struct NodalForce {
     /// The body, where there are several.
     pub body: Option<String>,
     /// The degree of freedom.
@@ -48,7 +48,7 @@ pub struct Load {
 /// # Errors
 /// [`MatricesError`] names file and line of a missing column, of a text that is no number, of an area that is
 /// not positive or differs within a cell, and of a degree of freedom that a cell has twice.
-pub fn read_cells(path: &Path) -> Result<Vec<Cell>, MatricesError> {
+pub fn read_cells(path: &Path) -> Result<Vec<ContactCell>, MatricesError> {
     cells(Content::open(path)?)
 }
 
@@ -57,14 +57,14 @@ pub fn read_cells(path: &Path) -> Result<Vec<Cell>, MatricesError> {
 ///
 /// # Errors
 /// [`MatricesError`] names file and line of a missing column and of a text that is no number.
-pub fn read_loads(path: &Path) -> Result<Vec<Load>, MatricesError> {
+pub fn read_loads(path: &Path) -> Result<Vec<NodalForce>, MatricesError> {
     loads(Content::open(path)?)
 }
 
-fn cells(content: Content) -> Result<Vec<Cell>, MatricesError> {
+fn cells(content: Content) -> Result<Vec<ContactCell>, MatricesError> {
     let columns = ["cell", "area_m2", "node", "direction", "weight", "body"];
     let mut rows = Rows::new(content, &columns)?;
-    let mut cells: Vec<Cell> = Vec::new();
+    let mut cells: Vec<ContactCell> = Vec::new();
     let mut index: HashMap<String, usize> = HashMap::new();
     let mut seen = HashSet::new();
     while rows.next()? {
@@ -78,7 +78,7 @@ fn cells(content: Content) -> Result<Vec<Cell>, MatricesError> {
         let weight =
             CellWeight { body: rows.body()?, dof: rows.dof()?, weight: rows.number("weight")? };
         let cell = *index.entry(name.clone()).or_insert_with(|| {
-            cells.push(Cell { name: name.clone(), area_m2, weights: Vec::new() });
+            cells.push(ContactCell { name: name.clone(), area_m2, weights: Vec::new() });
             cells.len() - 1
         });
         if cells[cell].area_m2 != area_m2 {
@@ -103,11 +103,15 @@ fn cells(content: Content) -> Result<Vec<Cell>, MatricesError> {
     Ok(cells)
 }
 
-fn loads(content: Content) -> Result<Vec<Load>, MatricesError> {
+fn loads(content: Content) -> Result<Vec<NodalForce>, MatricesError> {
     let mut rows = Rows::new(content, &["node", "direction", "force_n", "body"])?;
     let mut loads = Vec::new();
     while rows.next()? {
-        loads.push(Load { body: rows.body()?, dof: rows.dof()?, force_n: rows.number("force_n")? });
+        loads.push(NodalForce {
+            body: rows.body()?,
+            dof: rows.dof()?,
+            force_n: rows.number("force_n")?,
+        });
     }
     Ok(loads)
 }
@@ -251,7 +255,7 @@ mod tests {
     #[test]
     fn loads_are_forces_on_degrees_of_freedom() {
         let read = loads(content("node,direction,force_n\n164,3,-2.5\n164,3,1\n")).unwrap();
-        assert_eq!(read[0], Load { body: None, dof: Dof::new(164, 3), force_n: -2.5 });
+        assert_eq!(read[0], NodalForce { body: None, dof: Dof::new(164, 3), force_n: -2.5 });
         assert_eq!(read.len(), 2);
         let error = loads(content("node,direction\n1,3\n")).unwrap_err().to_string();
         assert!(error.contains("expected the columns node,direction,force_n"), "{error}");

@@ -15,7 +15,7 @@
 //! | [Abaqus](MatricesFormat::Abaqus) | `.mtx` of `*MATRIX OUTPUT`, formats MATRIX INPUT and COORDINATE |
 //! | [Matrix Market](MatricesFormat::MatrixMarket) | `.mtx`, coordinate, symmetric or general |
 //! | [MATLAB](MatricesFormat::Matlab) | `.mat` of versions 5 to 7, sparse or full |
-//! | [NumPy](MatricesFormat::Npz) | `.npz`, among them systems of `SDynPy` |
+//! | [NumPy](MatricesFormat::Npz) | `.npz`, among them systems of SDynPy |
 //!
 //! [`read_reduced`] takes a reduced model: dense matrices with the closure rows `W` of contact cells.
 //! [`read_cells`] and [`read_loads`] take the cells of contact patches and nodal forces from CSV;
@@ -35,22 +35,32 @@ mod abaqus;
 mod arrays;
 mod calculix;
 mod cells;
+mod deck;
 mod dense;
 mod dof;
+mod element_kind;
 mod error;
+mod findings;
 mod matlab;
 mod matrices;
 mod matrix_market;
+mod nodes;
 mod npz;
 mod number_type;
 mod reduced;
 mod sparse;
 mod text;
+mod units;
 
-pub use cells::{Cell, CellWeight, Load, read_cells, read_loads};
+pub use cells::{CellWeight, ContactCell, NodalForce, read_cells, read_loads};
+pub use deck::{Deck, MeshElement, SurfaceFace};
 pub use dense::DenseMatrix;
 pub use dof::Dof;
+pub use element_kind::ElementKind;
 pub use error::{MatricesError, Place};
-pub use matrices::{Matrices, MatricesFormat, MatrixFiles, read};
+pub use findings::{MatrixFinding, RigidMotions};
+pub use matrices::{Matrices, MatricesFormat, MatrixFiles, read, read_bytes};
+pub use nodes::Nodes;
 pub use reduced::{ReducedModel, read_reduced};
 pub use sparse::SparseSymmetric;
+pub use units::MatrixUnits;

@@ -12,7 +12,6 @@ use crate::arrays::{Array, Arrays};
 use crate::error::{MatricesError, Place};
 use crate::number_type::{Endian, NumberType};
 use crate::sparse::Entry;
-use crate::text::Content;
 
 /// Types of elements.
 const MATRIX: u32 = 14;
@@ -28,17 +27,18 @@ const COMPLEX: u32 = 0x0800;
 /// What is wrong with an element, and what is accepted.
 type Fault = (String, &'static str);
 
-pub(crate) fn read(content: Content) -> Result<Arrays, MatricesError> {
-    let file = content.name.clone();
-    let bytes = content.bytes()?;
+pub(crate) fn read(file: &str, bytes: &[u8]) -> Result<Arrays, MatricesError> {
+    let early = |missing: String| {
+        let (file, place) = (file.to_owned(), Place::Byte(bytes.len() as u64));
+        MatricesError::EndsEarly { file, place, missing }
+    };
     let place = |at: usize| Place::Byte(at as u64);
     let Some((head, mut rest)) = bytes.split_first_chunk::<128>() else {
-        let missing = "a header of 128 bytes".to_owned();
-        return Err(MatricesError::EndsEarly { file, place: place(bytes.len()), missing });
+        return Err(early("the header has 128 bytes".into()));
     };
     if head.starts_with(b"MATLAB 7.3") || head.starts_with(b"\x89HDF") {
         return Err(MatricesError::Unsupported {
-            file,
+            file: file.to_owned(),
             place: place(0),
             feature: "a file of MATLAB 7.3".into(),
             remedy: "save it with the option '-v7'".into(),
@@ -50,25 +50,22 @@ pub(crate) fn read(content: Content) -> Result<Arrays, MatricesError> {
         other => {
             let found = format!("the version and byte order {other:02x?}");
             let expected = "the header of a MATLAB file of versions 5 to 7";
-            return Err(MatricesError::malformed(&file, place(124), found, expected));
+            return Err(MatricesError::malformed(file, place(124), found, expected));
         }
     };
-    let mut arrays = Arrays::new(&file);
+    let mut arrays = Arrays::new(file);
     while !rest.is_empty() {
         let at = bytes.len() - rest.len();
         let wrong =
-            |(found, expected): Fault| MatricesError::malformed(&file, place(at), found, expected);
+            |(found, expected): Fault| MatricesError::malformed(file, place(at), found, expected);
         let mut elements = Elements { rest, endian };
-        let early = || MatricesError::EndsEarly {
-            file: file.clone(),
-            place: place(bytes.len()),
-            missing: format!("the variable at byte {at} is longer than the file"),
-        };
         // Compressed elements are not padded.
-        let element = elements.next(true).map_err(|_| early())?;
+        let element = elements
+            .next(true)
+            .map_err(|_| early(format!("the variable at byte {at} is longer")))?;
         match element.kind {
             MATRIX => {
-                variable(Elements { rest: element.data, endian }, &mut arrays).map_err(wrong)?
+                variable(Elements { rest: element.data, endian }, &mut arrays).map_err(wrong)?;
             }
             COMPRESSED => {
                 let unfolded = unfold(element.data, endian).map_err(wrong)?;
@@ -169,11 +166,11 @@ fn variable(mut elements: Elements<'_>, arrays: &mut Arrays) -> Result<(), Fault
     let name = String::from_utf8_lossy(elements.next(false)?.data).into_owned();
     let class = flags & 0xff;
     let &[rows, columns] = &dimensions[..] else {
-        arrays.leave_out(name, "has more than two dimensions");
+        arrays.leave_out(&name, "has more than two dimensions");
         return Ok(());
     };
     if flags & COMPLEX != 0 {
-        arrays.leave_out(name, "is complex");
+        arrays.leave_out(&name, "is complex");
     } else if class == SPARSE {
         let array = sparse(&mut elements, &name, rows, columns)?;
         arrays.add(name, array);
@@ -185,7 +182,7 @@ fn variable(mut elements: Elements<'_>, arrays: &mut Arrays) -> Result<(), Fault
         }
         arrays.add(name, Array::Dense(DenseMatrix::new(rows, columns, values)));
     } else {
-        arrays.leave_out(name, "is not an array of numbers");
+        arrays.leave_out(&name, "is not an array of numbers");
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use crate::error::MatricesError;
+use crate::error::{MatricesError, Place};
 use crate::sparse::{Assembled, Entry, EntryFault, MOST_ROWS, SparseSymmetric, Triangles};
 use crate::text::{Content, Fields, Lines};
 use crate::{Dof, abaqus, calculix, matlab, matrix_market, npz};
@@ -55,6 +55,40 @@ impl MatricesFormat {
     /// All formats.
     pub const ALL: [Self; 5] =
         [Self::Calculix, Self::Abaqus, Self::MatrixMarket, Self::Matlab, Self::Npz];
+
+    /// The format of a file of the stiffness, by its first lines: files that end in `.mtx` are of Matrix Market
+    /// or of Abaqus. A file of lines `row column value` is taken as of CalculiX; Abaqus with
+    /// `FORMAT=COORDINATE` has the same lines.
+    ///
+    /// # Errors
+    /// If the file cannot be read or is of no known format.
+    pub fn detect(path: &Path) -> Result<Self, MatricesError> {
+        let content = Content::open(path)?;
+        let name = content.name.clone();
+        let start = content.start(1 << 12)?;
+        if start.starts_with(npz::MARK) {
+            return Ok(Self::Npz);
+        }
+        if start.len() >= 128 && matches!(&start[126..128], b"IM" | b"MI") {
+            return Ok(Self::Matlab);
+        }
+        if start.starts_with(matrix_market::BANNER) {
+            return Ok(Self::MatrixMarket);
+        }
+        let lines = start.split(|byte| *byte == b'\n');
+        let first =
+            lines.filter(|line| !line.starts_with(b"**")).find(|line| Fields(line).count() > 0);
+        match first.map(|line| Fields(line).count()) {
+            Some(3) => Ok(Self::Calculix),
+            Some(5) => Ok(Self::Abaqus),
+            _ => {
+                let found = first.map_or("an empty file".to_owned(), crate::text::found);
+                let expected =
+                    "the start of a matrix of CalculiX, Abaqus, Matrix Market, MATLAB or NumPy";
+                Err(MatricesError::malformed(&name, Place::Line(1), found, expected))
+            }
+        }
+    }
 
     /// Its name in documents.
     pub fn name(self) -> &'static str {
@@ -139,49 +173,81 @@ impl Matrices {
         self.index.get(&dof).copied()
     }
 
+    /// Multiplies entries of stiffness and mass by the two numbers of `factors`, which is given the degrees
+    /// of freedom of row and column.
+    pub(crate) fn scale(&mut self, factors: impl Fn(Dof, Dof) -> [f64; 2]) {
+        let dofs = &self.dofs;
+        self.stiffness.scale(|row, column| factors(dofs[row], dofs[column])[0]);
+        self.mass.scale(|row, column| factors(dofs[row], dofs[column])[1]);
+    }
+
     /// Stiffness, mass and degrees of freedom.
     pub fn into_parts(self) -> (SparseSymmetric, SparseSymmetric, Vec<Dof>) {
         (self.stiffness, self.mass, self.dofs)
     }
 }
 
-/// Reads the matrices of a structure.
+/// Reads the matrices of a structure. Files may be compressed by gzip.
 ///
 /// # Errors
 /// [`MatricesError`] names file and line of content that is not of the format, of rows out of range, of
 /// entries that are given twice or are not symmetric, and of files that end early.
 pub fn read(files: &MatrixFiles) -> Result<Matrices, MatricesError> {
-    let rows = files.rows.as_deref().map(|path| read_rows(Content::open(path)?)).transpose()?;
-    let mass = || {
-        files.mass.as_deref().ok_or_else(|| {
-            let what = format!("no file of the mass for the format {}", files.format);
-            MatricesError::inconsistent(what, "expected a file each for stiffness and mass")
-        })
-    };
+    let open = |path: &Option<PathBuf>| path.as_deref().map(Content::open).transpose();
+    let (mass, rows) = (open(&files.mass)?, open(&files.rows)?);
+    contents(files.format, Content::open(&files.stiffness)?, mass, rows)
+}
+
+/// Reads the matrices of a structure from files in memory, which errors call stiffness, mass and rows.
+///
+/// # Errors
+/// As [`read()`].
+pub fn read_bytes(
+    format: MatricesFormat,
+    stiffness: &[u8],
+    mass: Option<&[u8]>,
+    rows: Option<&[u8]>,
+) -> Result<Matrices, MatricesError> {
+    let content = |name: &str, bytes: &[u8]| Content::of_bytes(name, bytes.to_vec());
+    let mass = mass.map(|bytes| content("mass", bytes));
+    let rows = rows.map(|bytes| content("rows", bytes));
+    contents(format, content("stiffness", stiffness), mass, rows)
+}
+
+fn contents(
+    format: MatricesFormat,
+    stiffness: Content,
+    mass: Option<Content>,
+    rows: Option<Content>,
+) -> Result<Matrices, MatricesError> {
+    let rows = rows.map(read_rows).transpose()?;
     let needed = |rows: Option<Vec<Dof>>| {
         rows.ok_or_else(|| {
-            let what = format!("no file of rows for the format {}", files.format);
+            let what = format!("no file of rows for the format {format}");
             MatricesError::inconsistent(what, "expected a file with `node.direction` a line")
         })
     };
-    let contents =
-        || Ok::<_, MatricesError>([Content::open(&files.stiffness)?, Content::open(mass()?)?]);
-    match files.format {
-        MatricesFormat::Calculix => calculix::read(contents()?, needed(rows)?),
-        MatricesFormat::Abaqus => abaqus::read(contents()?, rows),
-        MatricesFormat::MatrixMarket => matrix_market::read(contents()?, needed(rows)?),
-        MatricesFormat::Matlab | MatricesFormat::Npz => {
-            let arrays = |path: &Path| {
-                let content = Content::open(path)?;
-                if files.format == MatricesFormat::Npz {
-                    npz::read(content)
-                } else {
-                    matlab::read(content)
-                }
-            };
-            let mass = files.mass.as_deref().map(arrays).transpose()?;
-            arrays(&files.stiffness)?.matrices(mass, rows)
-        }
+    if matches!(format, MatricesFormat::Matlab | MatricesFormat::Npz) {
+        let arrays = |content: Content| {
+            let name = content.name.clone();
+            let bytes = content.bytes()?;
+            if format == MatricesFormat::Npz {
+                npz::read(&name, bytes)
+            } else {
+                matlab::read(&name, &bytes)
+            }
+        };
+        let mass = mass.map(arrays).transpose()?;
+        return arrays(stiffness)?.matrices(mass, rows);
+    }
+    let mass = mass.ok_or_else(|| {
+        let what = format!("no file of the mass for the format {format}");
+        MatricesError::inconsistent(what, "expected a file each for stiffness and mass")
+    })?;
+    match format {
+        MatricesFormat::MatrixMarket => matrix_market::read([stiffness, mass], needed(rows)?),
+        MatricesFormat::Abaqus => abaqus::read([stiffness, mass], rows),
+        _ => calculix::read([stiffness, mass], needed(rows)?),
     }
 }
 
@@ -192,9 +258,9 @@ pub(crate) fn both<T: Send>(
 ) -> Result<[T; 2], MatricesError> {
     std::thread::scope(|scope| {
         let mass = scope.spawn(|| read(mass));
-        let stiffness = read(stiffness)?;
-        let mass = mass.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-        Ok([stiffness, mass])
+        let stiffness = read(stiffness);
+        let mass = mass.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        Ok([stiffness?, mass?])
     })
 }
 

@@ -71,7 +71,7 @@ fn size_line(lines: &mut Lines, size: usize) -> Result<u64, MatricesError> {
     };
     match numbers.as_deref() {
         Some(&[rows, columns, entries])
-            if rows == size as i64 && columns == rows && entries >= 0 =>
+            if usize::try_from(rows) == Ok(size) && columns == rows && entries >= 0 =>
         {
             Ok(entries as u64)
         }

@@ -1,7 +1,7 @@
 //! Arrays of a NumPy archive.
 //!
 //! Source: NumPy Enhancement Proposal 1. Real arrays of at most two dimensions, and structured arrays with
-//! the fields `node` and `direction`, as `SDynPy` writes them.
+//! the fields `node` and `direction`, as SDynPy writes them.
 
 use std::io::{Cursor, Read};
 
@@ -11,24 +11,25 @@ use crate::DenseMatrix;
 use crate::arrays::{Array, Arrays};
 use crate::error::{MatricesError, Place, excerpt};
 use crate::number_type::{Endian, NumberType};
-use crate::text::Content;
 
 /// Most arrays of an archive.
 const MOST_ARRAYS: usize = 1000;
 
-pub(crate) fn read(content: Content) -> Result<Arrays, MatricesError> {
-    let file = content.name.clone();
+/// Start of an archive.
+pub(crate) const MARK: &[u8] = b"PK";
+
+pub(crate) fn read(file: &str, bytes: Vec<u8>) -> Result<Arrays, MatricesError> {
     let wrong = |place: Place, found: String, expected: &str| {
-        MatricesError::malformed(&file, place, found, expected)
+        MatricesError::malformed(file, place, found, expected)
     };
     let start = Place::Byte(0);
-    let mut archive = ZipArchive::new(Cursor::new(content.bytes()?))
+    let mut archive = ZipArchive::new(Cursor::new(bytes))
         .map_err(|error| wrong(start.clone(), error.to_string(), "an archive of NumPy (.npz)"))?;
     if archive.len() > MOST_ARRAYS {
         let found = format!("{} arrays", archive.len());
         return Err(wrong(start, found, "at most 1000"));
     }
-    let mut arrays = Arrays::new(&file);
+    let mut arrays = Arrays::new(file);
     for index in 0..archive.len() {
         let mut entry = archive
             .by_index(index)
@@ -42,7 +43,7 @@ pub(crate) fn read(content: Content) -> Result<Arrays, MatricesError> {
         read.map_err(|error| wrong(place.clone(), error.to_string(), "a whole array"))?;
         match array(&bytes) {
             Ok(Some(array)) => arrays.add(name, array),
-            Ok(None) => arrays.leave_out(name, "is not a real array of at most two dimensions"),
+            Ok(None) => arrays.leave_out(&name, "is not a real array of at most two dimensions"),
             Err((found, expected)) => return Err(wrong(place, found, expected)),
         }
     }

@@ -45,28 +45,28 @@ impl NumberType {
     /// The numbers at the start of every `stride` bytes.
     pub(crate) fn decode(self, endian: Endian, bytes: &[u8], stride: usize) -> Vec<f64> {
         macro_rules! numbers {
-            ($type:ty) => {{
+            ($type:ty, $to:expr) => {{
                 let one = |item: &[u8]| {
                     let first = item.first_chunk().copied().unwrap_or_default();
                     match endian {
-                        Endian::Little => <$type>::from_le_bytes(first) as f64,
-                        Endian::Big => <$type>::from_be_bytes(first) as f64,
+                        Endian::Little => $to(<$type>::from_le_bytes(first)),
+                        Endian::Big => $to(<$type>::from_be_bytes(first)),
                     }
                 };
                 bytes.chunks(stride).filter(|item| item.len() >= self.size()).map(one).collect()
             }};
         }
         match self {
-            Self::I8 => numbers!(i8),
-            Self::U8 => numbers!(u8),
-            Self::I16 => numbers!(i16),
-            Self::U16 => numbers!(u16),
-            Self::I32 => numbers!(i32),
-            Self::U32 => numbers!(u32),
-            Self::I64 => numbers!(i64),
-            Self::U64 => numbers!(u64),
-            Self::F32 => numbers!(f32),
-            Self::F64 => numbers!(f64),
+            Self::I8 => numbers!(i8, f64::from),
+            Self::U8 => numbers!(u8, f64::from),
+            Self::I16 => numbers!(i16, f64::from),
+            Self::U16 => numbers!(u16, f64::from),
+            Self::I32 => numbers!(i32, f64::from),
+            Self::U32 => numbers!(u32, f64::from),
+            Self::I64 => numbers!(i64, |value| value as f64),
+            Self::U64 => numbers!(u64, |value| value as f64),
+            Self::F32 => numbers!(f32, f64::from),
+            Self::F64 => numbers!(f64, |value| value),
         }
     }
 }

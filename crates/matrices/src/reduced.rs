@@ -37,8 +37,22 @@ pub struct ReducedModel {
 /// [`MatricesError`] names file and array of a wrong shape, of a number that is not finite, of an area
 /// that is not positive, and of a matrix that is not symmetric.
 pub fn read_reduced(path: &Path) -> Result<ReducedModel, MatricesError> {
-    let npz = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz"));
     let content = Content::open(path)?;
-    let arrays = if npz { npz::read(content)? } else { matlab::read(content)? };
+    reduced(&content.name.clone(), content.bytes()?)
+}
+
+impl ReducedModel {
+    /// The reduced model of a file in memory. `name` stands for the file in errors.
+    ///
+    /// # Errors
+    /// As [`read_reduced`].
+    pub fn of_bytes(name: &str, bytes: &[u8]) -> Result<Self, MatricesError> {
+        reduced(name, bytes.to_vec())
+    }
+}
+
+fn reduced(name: &str, bytes: Vec<u8>) -> Result<ReducedModel, MatricesError> {
+    let is_archive = bytes.starts_with(npz::MARK);
+    let arrays = if is_archive { npz::read(name, bytes)? } else { matlab::read(name, &bytes)? };
     arrays.reduced()
 }

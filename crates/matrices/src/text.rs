@@ -12,45 +12,75 @@ use crate::error::{MatricesError, Place, excerpt};
 const LONGEST_LINE: usize = 1 << 20;
 
 /// Most bytes of a decompressed file, as a multiple of its size.
-pub(crate) const EXPANSION: u64 = 400;
+const EXPANSION: u64 = 400;
 
 /// The content of a file, decompressed if its first two bytes are the mark of gzip.
 pub(crate) struct Content {
     pub(crate) name: String,
     reader: Box<dyn Read + Send>,
-    /// Most bytes that the content can have.
-    pub(crate) most: u64,
 }
 
 impl Content {
     pub(crate) fn open(path: &Path) -> Result<Self, MatricesError> {
         let name = path.display().to_string();
         let io = |source| MatricesError::Io { file: name.clone(), source };
-        let mut file = File::open(path).map_err(io)?;
+        let file = File::open(path).map_err(io)?;
         let length = file.metadata().map_err(io)?.len();
-        let mut mark = Vec::new();
-        (&mut file).take(2).read_to_end(&mut mark).map_err(io)?;
-        file.rewind().map_err(io)?;
-        let (reader, most): (Box<dyn Read + Send>, _) = if mark == [0x1f, 0x8b] {
-            let most = length.saturating_mul(EXPANSION);
-            (Box::new(MultiGzDecoder::new(file).take(most)), most)
-        } else {
-            (Box::new(file), length)
-        };
-        Ok(Self { name, reader, most })
+        let reader = unfolded(file, length).map_err(io)?;
+        Ok(Self { name, reader })
     }
 
     pub(crate) fn of_bytes(name: &str, bytes: Vec<u8>) -> Self {
-        let most = bytes.len() as u64;
-        Self { name: name.to_owned(), reader: Box::new(Cursor::new(bytes)), most }
+        let length = bytes.len() as u64;
+        // Reading from memory does not fail.
+        let reader = unfolded(Cursor::new(bytes), length);
+        let reader = reader.unwrap_or_else(|_| Box::new(std::io::empty()));
+        Self { name: name.to_owned(), reader }
+    }
+
+    /// At most `most` bytes from the start.
+    pub(crate) fn start(mut self, most: u64) -> Result<Vec<u8>, MatricesError> {
+        let mut bytes = Vec::new();
+        let read = (&mut self.reader).take(most).read_to_end(&mut bytes);
+        read.map_err(|source| MatricesError::Io { file: self.name, source })?;
+        Ok(bytes)
     }
 
     /// All bytes.
-    pub(crate) fn bytes(mut self) -> Result<Vec<u8>, MatricesError> {
-        let mut bytes = Vec::new();
-        let read = self.reader.read_to_end(&mut bytes);
-        read.map_err(|source| MatricesError::Io { file: self.name, source })?;
-        Ok(bytes)
+    pub(crate) fn bytes(self) -> Result<Vec<u8>, MatricesError> {
+        self.start(u64::MAX)
+    }
+}
+
+fn unfolded(
+    mut file: impl Read + Seek + Send + 'static,
+    length: u64,
+) -> std::io::Result<Box<dyn Read + Send>> {
+    let mut mark = Vec::new();
+    (&mut file).take(2).read_to_end(&mut mark)?;
+    file.rewind()?;
+    if mark != [0x1f, 0x8b] {
+        return Ok(Box::new(file));
+    }
+    let left = length.saturating_mul(EXPANSION).max(1 << 20);
+    Ok(Box::new(Bounded { reader: MultiGzDecoder::new(file), left }))
+}
+
+/// A reader that fails after a number of bytes.
+struct Bounded<R> {
+    reader: R,
+    left: u64,
+}
+
+impl<R: Read> Read for Bounded<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let read = self.reader.read(buffer)?;
+        self.left = self.left.checked_sub(read as u64).ok_or_else(|| {
+            std::io::Error::other(format!(
+                "decompressed, it has more than {EXPANSION} times its size"
+            ))
+        })?;
+        Ok(read)
     }
 }
 
@@ -58,8 +88,6 @@ impl Content {
 pub(crate) struct Lines {
     pub(crate) name: String,
     reader: Box<dyn Read + Send>,
-    /// Most bytes that the text can have.
-    pub(crate) most: u64,
     buffer: Vec<u8>,
     start: usize,
     end: usize,
@@ -78,7 +106,6 @@ impl Lines {
         Self {
             name: content.name,
             reader: content.reader,
-            most: content.most,
             buffer: vec![0; 1 << 18],
             start: 0,
             end: 0,

@@ -1,0 +1,173 @@
+//! The mesh of an input deck of CalculiX or Abaqus.
+//!
+//! Source: Dhondt, "CalculiX CrunchiX user's manual", version 2.20; Abaqus keywords of flat decks, without
+//! parts and instances. Read are `*NODE`, `*ELEMENT`, `*NSET`, `*ELSET`, `*SURFACE, TYPE=ELEMENT`, `*TRANSFORM`
+//! and `*INCLUDE`; other keywords do not change the mesh.
+//!
+//! | module | contents |
+//! |---|---|
+//! | `keyword` | keyword lines and their parameters |
+//! | `parser` | lines to blocks of nodes, elements, sets and surfaces |
+//! | `sets` | sets and surfaces by name, resolved when the whole deck is read |
+
+mod keyword;
+mod parser;
+mod sets;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::text::Content;
+use crate::{ElementKind, MatricesError, MatrixUnits, Nodes};
+
+/// The mesh of an input deck: nodes, elements, sets and surfaces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Deck {
+    file: String,
+    nodes: Nodes,
+    elements: Vec<MeshElement>,
+    node_sets: BTreeMap<String, Vec<i64>>,
+    element_sets: BTreeMap<String, Vec<i64>>,
+    surfaces: BTreeMap<String, Surface>,
+    transformed: Vec<i64>,
+}
+
+/// An element of a mesh.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MeshElement {
+    /// Its number.
+    pub number: i64,
+    /// Its shape.
+    pub kind: ElementKind,
+    /// Its nodes, in the order of the program.
+    pub nodes: Vec<i64>,
+}
+
+/// A face of an element in a surface.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SurfaceFace {
+    /// Number of the element.
+    pub element: i64,
+    /// Number of the face, from 1.
+    pub face: u8,
+    /// Its nodes: the corners, anticlockwise as seen from outside, then the middle of each edge from one
+    /// corner to the next. 3 or 4 nodes of a linear face, 6 or 8 of a quadratic one.
+    pub nodes: Vec<i64>,
+}
+
+/// A surface, or the reason why it has no faces.
+type Surface = Result<Vec<SurfaceFace>, String>;
+
+impl SurfaceFace {
+    /// The corners.
+    pub fn corners(&self) -> &[i64] {
+        let count = self.nodes.len();
+        &self.nodes[..if count > 4 { count / 2 } else { count }]
+    }
+}
+
+impl Deck {
+    /// Reads a deck, plain or gzip, and the files that it includes.
+    ///
+    /// # Errors
+    /// [`MatricesError`] names file and line of content that is not of the format, of elements and sets that
+    /// name nodes or sets that the deck does not have, and of parts, instances and generated meshes, which
+    /// cannot be read.
+    pub fn read(path: &Path) -> Result<Self, MatricesError> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        parser::parse(Content::open(path)?, Some(folder))
+    }
+
+    /// Reads a deck in memory, which includes no files. `name` stands for the file in errors.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    ///
+    /// ```
+    /// use asperity_matrices::Deck;
+    ///
+    /// let deck = Deck::of_text("beam.inp", "*NODE, NSET=END\n1, 0, 0, 0.5\n2, 1, 0, 0.5\n")?;
+    /// assert_eq!(deck.node_set("end")?, [1, 2]);
+    /// assert_eq!(deck.nodes().get(2), Some([1.0, 0.0, 0.5]));
+    /// # Ok::<(), asperity_matrices::MatricesError>(())
+    /// ```
+    pub fn of_text(name: &str, text: &str) -> Result<Self, MatricesError> {
+        parser::parse(Content::of_bytes(name, text.as_bytes().to_vec()), None)
+    }
+
+    /// The nodes.
+    pub fn nodes(&self) -> &Nodes {
+        &self.nodes
+    }
+
+    /// The elements, in the order of the deck.
+    pub fn elements(&self) -> &[MeshElement] {
+        &self.elements
+    }
+
+    /// The nodes of a set, ascending. Names of sets and surfaces are the same in upper and lower case.
+    ///
+    /// # Errors
+    /// If the deck has no such set; the names that it has are listed.
+    pub fn node_set(&self, name: &str) -> Result<&[i64], MatricesError> {
+        self.by_name("node set", &self.node_sets, name).map(Vec::as_slice)
+    }
+
+    /// The elements of a set, ascending.
+    ///
+    /// # Errors
+    /// If the deck has no such set; the names that it has are listed.
+    pub fn element_set(&self, name: &str) -> Result<&[i64], MatricesError> {
+        self.by_name("element set", &self.element_sets, name).map(Vec::as_slice)
+    }
+
+    /// The faces of a surface.
+    ///
+    /// # Errors
+    /// If the deck has no such surface, or one that is not of element faces.
+    pub fn surface(&self, name: &str) -> Result<&[SurfaceFace], MatricesError> {
+        let surface = self.by_name("surface", &self.surfaces, name)?;
+        surface.as_deref().map_err(|reason| {
+            let what = format!("{}: the surface {name} {reason}", self.file);
+            MatricesError::inconsistent(what, "expected faces of solid elements, S1 to S6")
+        })
+    }
+
+    /// Names of the node sets.
+    pub fn node_set_names(&self) -> impl Iterator<Item = &str> {
+        self.node_sets.keys().map(String::as_str)
+    }
+
+    /// Names of the surfaces.
+    pub fn surface_names(&self) -> impl Iterator<Item = &str> {
+        self.surfaces.keys().map(String::as_str)
+    }
+
+    /// Nodes of `*TRANSFORM`, ascending. Directions 1 to 3 of their rows are local ones, not x, y, z.
+    pub fn transformed_nodes(&self) -> &[i64] {
+        &self.transformed
+    }
+
+    /// Converts the places of the nodes to metres.
+    pub fn convert(&mut self, units: MatrixUnits) {
+        self.nodes.scale(units.length_m());
+    }
+
+    fn by_name<'a, T>(
+        &self,
+        kind: &str,
+        map: &'a BTreeMap<String, T>,
+        name: &str,
+    ) -> Result<&'a T, MatricesError> {
+        const MOST: usize = 20;
+        map.get(&name.to_uppercase()).ok_or_else(|| {
+            let mut names: Vec<&str> = map.keys().take(MOST).map(String::as_str).collect();
+            if map.len() > MOST {
+                names.push("...");
+            }
+            let what = format!("{}: no {kind} {name}", self.file);
+            let has = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+            MatricesError::inconsistent(what, format!("the deck has {has}"))
+        })
+    }
+}
