@@ -10,6 +10,7 @@ pub(crate) mod inspect;
 pub(crate) mod law;
 pub(crate) mod man;
 pub(crate) mod modes;
+mod patches;
 pub(crate) mod schema;
 pub(crate) mod simulate;
 pub(crate) mod steady;
@@ -60,8 +61,17 @@ pub(crate) fn read_document(path: &Path, kind: FileKind) -> Result<Document, Fai
     Ok(document)
 }
 
+/// Refuses a structure of matrices where bars alone are taken.
+fn of_bars(document: &Document) -> Result<(), Failure> {
+    if document.has_matrices() {
+        return Err(Failure::OfMatrices { path: document.path().to_owned() });
+    }
+    Ok(())
+}
+
 /// The typed scenario of a document that is valid.
 fn checked(document: &Document) -> Result<Scenario, Failure> {
+    of_bars(document)?;
     document.scenario().map_err(|source| Failure::Invalid {
         kind: "scenario",
         text: document.text().to_owned(),

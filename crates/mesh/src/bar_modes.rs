@@ -86,7 +86,7 @@ impl ComponentModes {
             let participation = |port: &Port| match port {
                 Port::Support => (1.0 / mass).sqrt(),
                 Port::Base => -mass.sqrt(),
-                Port::Point { .. } | Port::Mean { .. } => 0.0,
+                Port::Point { .. } | Port::Mean { .. } | Port::Number(_) => 0.0,
             };
             modes.push(NormalMode {
                 mass_damped: false,

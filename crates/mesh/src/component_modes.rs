@@ -212,6 +212,32 @@ impl ComponentModes {
         }
     }
 
+    /// The same structure in which only the `count` lowest modes have inertia: the others become massless, or
+    /// without damping a part of the flexibility left out. Rigid motions keep their inertia.
+    #[must_use]
+    pub fn with_inertia_of(&self, count: usize) -> Self {
+        let mut inert: Vec<f64> = self
+            .modes
+            .iter()
+            .filter(|mode| !mode.massless)
+            .map(|mode| mode.angular_frequency)
+            .collect();
+        inert.sort_by(f64::total_cmp);
+        let highest = inert.get(count.max(1) - 1).copied().unwrap_or(f64::INFINITY);
+        let mut residual = self.residual.clone();
+        let mut modes = Vec::with_capacity(self.modes.len());
+        for mode in &self.modes {
+            if mode.massless || mode.angular_frequency <= highest {
+                modes.push(mode.clone());
+            } else if mode.damping_rate > 0.0 {
+                modes.push(NormalMode { massless: true, mass_damped: false, ..mode.clone() });
+            } else {
+                residual.add(mode);
+            }
+        }
+        Self { modes, residual, ..self.clone() }
+    }
+
     /// The modes.
     pub fn modes(&self) -> &[NormalMode] {
         &self.modes

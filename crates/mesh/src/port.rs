@@ -23,6 +23,8 @@ pub enum Port {
     },
     /// The support; it does not move where it is rigid.
     Support,
+    /// A port of component modes, by its number.
+    Number(usize),
     /// The base below the support: a unit load is the inertial force `-m` of every mass under a
     /// base acceleration of 1 m/s2, so that displacements are relative to the base.
     Base,
@@ -37,6 +39,10 @@ impl Port {
     /// # Errors
     /// [`MeshError::Port`] for a body that `stack` does not have, or a position that is not on it.
     pub fn check(self, stack: &Stack) -> Result<Self, MeshError> {
+        if let Self::Number(number) = self {
+            let quantity = "number of a port of a stack, which has places instead,";
+            return Err(MeshError::Port { quantity, value: number as f64, most: -1.0 });
+        }
         let (Self::Point { body, .. } | Self::Mean { body }) = self else { return Ok(self) };
         let Some(own) = stack.bodies().get(body) else {
             return Err(MeshError::Port {

@@ -57,8 +57,6 @@ pub struct ReducedBody {
     pub participations: Vec<Vec<f64>>,
     /// Flexibility between ports of the modes left out \[m/N\].
     pub residual: ResidualFlexibility,
-    /// Mass-normalised shapes of the modes by columns \[kg^-1/2\].
-    pub shapes: Mat<f64>,
 }
 
 impl ReducedBody {
@@ -121,7 +119,7 @@ impl ReducedBody {
         let of_shift = Shifted { body, factor: &factor, shift };
         let residual = of_shift.residual(ports, (squares, &shapes, &participations))?;
         let angular_frequencies = squares.iter().map(|square| square.sqrt()).collect();
-        Ok(Self { angular_frequencies, participations, residual, shapes })
+        Ok(Self { angular_frequencies, participations, residual })
     }
 
     /// Number of rigid motions.
@@ -129,32 +127,48 @@ impl ReducedBody {
         self.angular_frequencies.iter().filter(|frequency| **frequency == 0.0).count()
     }
 
-    /// The component modes with `contacts` between the ports, under stiffness-proportional damping of
-    /// retardation time `b` \[s\]: modes have the damping rate `b w^2` of their own, and the flexibility
-    /// left out becomes massless modes of the same retardation time. Mass-proportional damping acts on
-    /// all modes.
+    /// The component modes of several bodies with `contacts` between `ports` ports of all of them; `places`
+    /// of a body are the numbers of its own ports there. Under stiffness-proportional damping of
+    /// `retardation_time` b \[s\] modes have the damping rate `b w^2` of their own, and the flexibility left
+    /// out becomes massless modes of the same retardation time. Mass-proportional damping acts on all
+    /// modes.
     ///
     /// # Errors
-    /// Those of [`ComponentModes::new`].
-    pub fn component_modes(
-        &self,
+    /// Those of [`ComponentModes::new`]; [`MeshError::NoPort`] for a place that does not exist.
+    pub fn joined(
+        bodies: &[(&Self, &[usize])],
+        ports: usize,
         retardation_time: f64,
         contacts: Vec<PortPair>,
     ) -> Result<ComponentModes, MeshError> {
-        let pairs = self.angular_frequencies.iter().zip(&self.participations);
-        let mode = |(&frequency, ports): (&f64, &Vec<f64>)| NormalMode {
-            damping_rate: retardation_time * frequency * frequency,
-            ..NormalMode::elastic(frequency, ports.clone())
-        };
-        let mut modes: Vec<NormalMode> = pairs.map(mode).collect();
-        let mut residual = self.residual.clone();
-        let ports = residual.ports();
-        let highest = self.angular_frequencies.last().copied().unwrap_or_default();
-        if retardation_time > 0.0 && highest > 0.0 {
-            let matrix = Mat::from_fn(ports, ports, |a, b| residual.get(a, b));
-            let all: Vec<usize> = (0..ports).collect();
-            modes.extend(massless_modes(&matrix, (&all, ports), highest, retardation_time));
-            residual = ResidualFlexibility::zero(ports);
+        let mut modes = Vec::new();
+        let mut residual = ResidualFlexibility::zero(ports);
+        for (body, places) in bodies {
+            if let Some(&port) = places.iter().find(|&&port| port >= ports) {
+                return Err(MeshError::NoPort { port, ports });
+            }
+            for (&frequency, own) in body.angular_frequencies.iter().zip(&body.participations) {
+                let mut participations = vec![0.0; ports];
+                for (&port, &value) in places.iter().zip(own) {
+                    participations[port] = value;
+                }
+                modes.push(NormalMode {
+                    damping_rate: retardation_time * frequency * frequency,
+                    ..NormalMode::elastic(frequency, participations)
+                });
+            }
+            let highest = body.angular_frequencies.last().copied().unwrap_or_default();
+            if retardation_time > 0.0 && highest > 0.0 {
+                let own = places.len();
+                let matrix = Mat::from_fn(own, own, |a, b| body.residual.get(a, b));
+                modes.extend(massless_modes(&matrix, (places, ports), highest, retardation_time));
+                continue;
+            }
+            for (i, &a) in places.iter().enumerate() {
+                for (j, &b) in places.iter().enumerate().skip(i) {
+                    residual.add_between(a, b, body.residual.get(i, j));
+                }
+            }
         }
         ComponentModes::new(modes, residual, contacts, Vec::new())
     }

@@ -10,7 +10,7 @@ use asperity_simulation::summary::{Amplitude, Fundamental, Summary};
 use super::magnitude::{MagnitudeAxis, phase_axis, phase_line};
 
 /// Load, motion at each sensor and pressures over time, until the motion has decayed.
-pub fn history(run: &Run) -> Figure {
+pub fn history<S>(run: &Run<S>) -> Figure {
     let history = &run.transient.history;
     let motions = motions(run);
     let decays = motions.iter().map(|motion| decay_length(motion.relative));
@@ -26,10 +26,10 @@ pub fn history(run: &Run) -> Figure {
             .legend(Legend::None)
     };
     let mut pressures = Panel::new(time(), Axis::linear("Contact pressure", "MPa").scale(1e-6));
-    let contacts = run.assembly.structure.contacts().iter();
-    for (index, (contact, columns)) in contacts.zip(&history.interfaces).enumerate() {
+    let interfaces = run.summary.interfaces.iter();
+    for (index, (interface, columns)) in interfaces.zip(&history.interfaces).enumerate() {
         let dash = if index == 0 { Dash::Solid } else { Dash::Dashed };
-        let line = Series::line(contact.name(), &history.time, &columns.pressure);
+        let line = Series::line(&interface.name, &history.time, &columns.pressure);
         pressures = pressures.series(line.color(Color::category(index)).dash(dash));
     }
     let load = match run.assembly.load.base() {

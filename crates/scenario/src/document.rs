@@ -17,6 +17,7 @@ use crate::scenario::{Scenario, scenario_schema};
 use crate::schema_check::check_schema;
 use crate::set_value::{SetError, set_value};
 use crate::sha256::text_sha256;
+use crate::structure_scenario::{StructureScenario, structure_schema};
 use crate::validate;
 
 /// Largest size of a document in bytes.
@@ -173,6 +174,21 @@ impl Document {
     pub fn scenario(&self) -> Result<Scenario, InvalidDocument> {
         let conditions = validate::check(&self.value, self.folder());
         self.checked(scenario_schema(), conditions)
+    }
+
+    /// True if a body is given by matrices: the document is a [`StructureScenario`].
+    pub fn has_matrices(&self) -> bool {
+        let bodies = self.value.get("bodies").and_then(Value::as_array);
+        bodies.is_some_and(|bodies| bodies.iter().any(|body| body.get("matrices").is_some()))
+    }
+
+    /// Returns the scenario of a structure of matrices after all checks.
+    ///
+    /// # Errors
+    /// [`InvalidDocument`] with all faults, in the order of the text.
+    pub fn structure_scenario(&self) -> Result<StructureScenario, InvalidDocument> {
+        let conditions = validate::check_structure(&self.value, self.folder());
+        self.checked(structure_schema(), conditions)
     }
 
     /// Deserialises the document after a check against `schema`, which is generated from `T`.

@@ -39,6 +39,7 @@
 //! | text | [`Document`], [`JsonPointer`], [`set_value`], [`open_input`], [`SyntaxError`] |
 //! | checks | [`scenario_schema`], [`check_schema`], [`validate`], [`validate_json`] |
 //! | faults | [`InvalidDocument`], [`Diagnostic`], [`Fault`] |
+//! | structures of matrices | [`StructureScenario`], [`structure_schema`] |
 //! | measured loads | [`LoadSamples`] |
 
 mod body;
@@ -54,6 +55,7 @@ mod scenario;
 mod schema_check;
 mod set_value;
 mod sha256;
+mod structure_scenario;
 mod suggest;
 mod validate;
 mod wording;
@@ -81,7 +83,11 @@ pub use scenario::{
 };
 pub use schema_check::check_schema;
 pub use set_value::{SetError, set_value};
-pub use sha256::file_sha256;
+pub use sha256::{file_sha256, text_sha256};
+pub use structure_scenario::{
+    DEFAULT_REDUCED_MODES, MatricesFormatSpec, MatricesSpec, MatrixBodySpec, PatchSpec,
+    ReductionSpec, StaticLoadSpec, StructureScenario, UnitsSpec, structure_schema,
+};
 pub use validate::{
     MAX_CELLS, MAX_HISTORY_NUMBERS, MAX_STEPS, MIN_SAMPLES, validate, validate_json,
 };

@@ -33,7 +33,7 @@ pub fn file_sha256(path: &Path) -> Result<String, InputError> {
 }
 
 /// SHA-256, in hexadecimal, of a text.
-pub(crate) fn text_sha256(text: &str) -> String {
+pub fn text_sha256(text: &str) -> String {
     hexadecimal(&Sha256::digest(text))
 }
 

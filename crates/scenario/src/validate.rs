@@ -53,6 +53,18 @@ pub(crate) fn check(scenario: &Value, folder: &Path) -> Vec<Diagnostic> {
     found
 }
 
+/// Faults of a structure of matrices that its schema cannot state.
+pub(crate) fn check_structure(scenario: &Value, folder: &Path) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    let root = Node { value: scenario, at: JsonPointer::root() };
+    names::check(&root, &mut found);
+    laws::check(&root, &mut found);
+    damping::check(&root, &mut found);
+    extent::samples(&root, &mut found);
+    loads::check(&root, folder, &mut found);
+    found
+}
+
 fn interface_count(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     let length = |key: &str| root.value.get(key).and_then(Value::as_array).map(Vec::len);
     if let (Some(bodies), Some(interfaces)) = (length("bodies"), length("interfaces"))

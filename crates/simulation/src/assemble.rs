@@ -6,7 +6,7 @@ use asperity_dynamics::{ContactForm, FiniteDifference, Integrator, Modal, Sampli
 use asperity_law::Friction;
 use asperity_mesh::{Body, Interface, Port, Stack, Support};
 use asperity_structure::{
-    LoadCase, PreloadedStructure, SampledFunction, SensorKind, StructureError,
+    LoadCase, PreloadedContact, PreloadedStructure, SampledFunction, SensorKind, StructureError,
 };
 
 use crate::accuracy::DEFAULT_ACCURACY;
@@ -19,9 +19,9 @@ use asperity_scenario::{
 
 /// A scenario turned into the objects that compute.
 #[derive(Debug, Clone)]
-pub struct Assembly {
+pub struct Assembly<S = PreloadedStructure> {
     /// Bodies, interfaces and support at rest, with their damping.
-    pub structure: PreloadedStructure,
+    pub structure: S,
     /// The force, or the motion of the base.
     pub load: LoadCase,
     /// The sensors; without any in the scenario one at the top, without a name.
@@ -45,12 +45,26 @@ pub struct Sensor {
     pub kind: SensorKind,
 }
 
-impl Assembly {
+/// Structures whose interfaces are contacts at rest.
+pub trait Interfaces {
+    /// The interfaces, in the order of the results.
+    fn interfaces(&self) -> &[PreloadedContact];
+}
+
+impl<M> Interfaces for PreloadedStructure<M> {
+    fn interfaces(&self) -> &[PreloadedContact] {
+        self.contacts()
+    }
+}
+
+impl<S> Assembly<S> {
     /// Ports of the sensors.
     pub fn sensor_ports(&self) -> Vec<Port> {
         self.sensors.iter().map(|sensor| sensor.port).collect()
     }
+}
 
+impl Assembly {
     /// Assembles `scenario`; sample files are looked for in `folder`.
     ///
     /// # Errors

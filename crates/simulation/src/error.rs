@@ -52,6 +52,19 @@ pub enum SimulationError {
         /// Largest share in the kinetic energy of a body that can be condensed.
         most_share: f64,
     },
+    /// Matrices, meshes, cells or loads cannot be read.
+    #[error(transparent)]
+    Matrices(#[from] asperity_matrices::MatricesError),
+    /// A part of a structure of matrices does not fit the others.
+    #[error("{place}: {problem}; accepted: {accepted}")]
+    Model {
+        /// Pointer into the scenario.
+        place: String,
+        /// The problem.
+        problem: String,
+        /// What is accepted.
+        accepted: String,
+    },
     /// A contact law cannot be built for the pressure it has to carry.
     #[error("law \"{law}\"{} (pressure {pressure_pa} Pa): {source}", at(interface.as_deref()))]
     Law {
@@ -137,6 +150,8 @@ impl SimulationError {
             | Self::NoSensor
             | Self::NothingToCondense { .. }
             | Self::ContactDamping { .. }
+            | Self::Matrices(_)
+            | Self::Model { .. }
             | Self::Friction { .. }
             | Self::Law { .. } => true,
             Self::Output(error) => !matches!(error, OutputError::Io { .. }),

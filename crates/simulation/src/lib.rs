@@ -16,6 +16,7 @@
 //! |---|---|
 //! | prepare | [`gap_table`], [`assemble`], [`static_state`], [`prepared_scenario`], [`parameter`], [`plausibility`] |
 //! | compute | [`run`], [`mod@sweep`], [`row_simulator`], [`mod@steady`], [`modes`], [`sensitivity`], [`laws`], [`accuracy`], [`error_control`] |
+//! | structures of matrices | [`patches`] |
 //! | observe | [`quantity`], [`observables`], [`observable_extractor`], [`warning`] |
 //! | write | [`contact_deck`], [`summary`], [`provenance`], [`record`], [`output`], [`error`] |
 
@@ -32,6 +33,7 @@ pub mod observable_extractor;
 pub mod observables;
 pub mod output;
 pub mod parameter;
+pub mod patches;
 pub mod plausibility;
 pub mod prepared_scenario;
 pub mod provenance;
@@ -50,6 +52,7 @@ pub mod sweep;
 pub mod warning;
 
 pub use laws::{fit, tabulate};
+pub use patches::simulate_patches;
 pub use run::{simulate, simulate_with_progress};
 pub use sensitivity::sensitivities;
 pub use steady::{steady, steady_with_progress};

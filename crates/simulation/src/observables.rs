@@ -5,7 +5,7 @@ use asperity_dynamics::Transient;
 use asperity_signal::{HarmonicOptions, ReceptanceFeatures};
 
 use crate::accuracy::ErrorEstimate;
-use crate::assemble::Assembly;
+use crate::assemble::{Assembly, Interfaces};
 use crate::error::SimulationError;
 use crate::quantity::{Observable, Quantity, Values};
 pub use crate::response_parts::free_from;
@@ -30,8 +30,8 @@ pub struct Observables {
 
 impl Observables {
     /// The observables of a response at the output rate, read at all sensors.
-    pub(crate) fn of_transient(
-        assembly: &Assembly,
+    pub(crate) fn of_transient<S: Interfaces>(
+        assembly: &Assembly<S>,
         at_rest: &StaticSummary,
         transient: &Transient,
     ) -> Result<Self, SimulationError> {
@@ -42,8 +42,8 @@ impl Observables {
     }
 
     /// The observables of a response at the output rate, read at one sensor.
-    fn at_sensor(
-        assembly: &Assembly,
+    fn at_sensor<S: Interfaces>(
+        assembly: &Assembly<S>,
         at_rest: &StaticSummary,
         transient: &Transient,
         sensor: usize,
@@ -61,7 +61,7 @@ impl Observables {
         }
         Ok(Self::of(&ResponseParts::new(
             at_rest,
-            assembly.structure.contacts(),
+            assembly.structure.interfaces(),
             &features,
             &transient.contacts,
             transient.energy,

@@ -15,7 +15,7 @@ use crate::modes::LinearisedModes;
 use crate::run::{Run, receptance, transmissibility};
 
 /// `history.csv`: a row per output sample.
-pub fn history_csv(run: &Run) -> String {
+pub fn history_csv<S>(run: &Run<S>) -> String {
     let columns = history_columns(run);
     columns_to_csv(columns.iter().map(|(name, column)| (name.as_str(), &**column)))
 }
@@ -25,7 +25,7 @@ pub fn history_csv(run: &Run) -> String {
 /// Beside time there are the force, or the acceleration of the base; the motion at the top, or what each
 /// sensor reads; and the contacts. With a motion of the base, sensors read the absolute motion, and
 /// columns `relative_...` have the motion relative to the base.
-pub fn history_columns(run: &Run) -> Vec<(String, Cow<'_, [f64]>)> {
+pub fn history_columns<S>(run: &Run<S>) -> Vec<(String, Cow<'_, [f64]>)> {
     let history = &run.transient.history;
     let load =
         if run.assembly.load.base().is_some() { "base_acceleration_m_per_s2" } else { "force_n" };
@@ -44,9 +44,8 @@ pub fn history_columns(run: &Run) -> Vec<(String, Cow<'_, [f64]>)> {
             }
         }
     }
-    let interfaces = run.assembly.structure.contacts();
-    for (contact, columns_of) in interfaces.iter().zip(&history.interfaces) {
-        let name = contact.name();
+    for (interface, columns_of) in run.summary.interfaces.iter().zip(&history.interfaces) {
+        let name = &interface.name;
         columns.push((format!("{name}:pressure_pa"), (&columns_of.pressure).into()));
         columns.push((format!("{name}:closure_m"), (&columns_of.closure).into()));
         columns.push((format!("{name}:stiffness_pa_per_m"), (&columns_of.stiffness).into()));
@@ -68,7 +67,7 @@ pub struct Motion<'a> {
 }
 
 /// Quantity of each sensor; without sensors displacement and acceleration of the top.
-pub fn motions(run: &Run) -> Vec<Motion<'_>> {
+pub fn motions<S>(run: &Run<S>) -> Vec<Motion<'_>> {
     let both = [SensorKind::Displacement, SensorKind::Acceleration];
     let mut motions = Vec::new();
     for (number, sensor) in run.assembly.sensors.iter().enumerate() {
@@ -94,7 +93,7 @@ fn read(sensor: &SensorHistory, kind: SensorKind) -> &[f64] {
 }
 
 /// The absolute motion that a sensor reads: its motion relative to the base, and the motion of the base.
-fn absolute(run: &Run, sensor: usize, kind: SensorKind) -> Vec<f64> {
+fn absolute<S>(run: &Run<S>, sensor: usize, kind: SensorKind) -> Vec<f64> {
     let history = &run.transient.history;
     let relative = read(&history.sensors[sensor], kind);
     let base = |time: f64| run.assembly.load.base_at(time)[kind as usize];
@@ -115,7 +114,7 @@ pub type FrfColumns = Vec<(String, Vec<f64>)>;
 ///
 /// # Errors
 /// [`SimulationError::Signal`] when a response cannot be analysed.
-pub fn frf_columns(run: &Run) -> Result<Option<FrfColumns>, SimulationError> {
+pub fn frf_columns<S>(run: &Run<S>) -> Result<Option<FrfColumns>, SimulationError> {
     let mut columns = Vec::new();
     for (number, sensor) in run.assembly.sensors.iter().enumerate() {
         let Some(frf) = receptance(run, number)? else { return Ok(None) };
@@ -181,7 +180,7 @@ pub fn modes_columns(modes: &LinearisedModes) -> Vec<(String, &[f64])> {
 
 /// The load and the sensors of a run as a data acquisition system would have recorded them at the output
 /// rate: without sensors acceleration and displacement of the top.
-pub fn measurement_record(run: &Run, title: Option<&str>) -> Record {
+pub fn measurement_record<S>(run: &Run<S>, title: Option<&str>) -> Record {
     let (history, rate_hz) = (&run.transient.history, run.assembly.sampling.rate());
     let start = history.time.first().copied().unwrap_or(0.0);
     let channel = |name: &str, unit: &str, quantity, samples: Vec<f64>| Channel {

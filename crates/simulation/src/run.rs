@@ -7,6 +7,7 @@ use std::time::Instant;
 use asperity_dynamics::{Batch, Modal, Transient};
 use asperity_scenario::{Document, Scenario};
 use asperity_signal::{Complex64, Frf};
+use asperity_structure::PreloadedStructure;
 use tracing::info_span;
 
 use crate::assemble::Assembly;
@@ -27,9 +28,9 @@ const FRF_RANGE: f64 = 6.0;
 
 /// A finished run.
 #[derive(Debug)]
-pub struct Run {
+pub struct Run<S = PreloadedStructure> {
     /// The assembled scenario.
-    pub assembly: Assembly,
+    pub assembly: Assembly<S>,
     /// The response.
     pub transient: Transient,
     /// Its observables.
@@ -122,7 +123,7 @@ fn converged(
 ///
 /// # Errors
 /// [`SimulationError::Signal`] when the response cannot be analysed.
-pub fn receptance(run: &Run, sensor: usize) -> Result<Option<Frf>, SimulationError> {
+pub fn receptance<S>(run: &Run<S>, sensor: usize) -> Result<Option<Frf>, SimulationError> {
     let (history, rate) = (&run.transient.history, run.assembly.sampling.rate());
     let displacement = &history.sensors[sensor].displacement;
     let Some(response) = frequency_response(&history.load, displacement, rate)? else {

@@ -180,9 +180,9 @@ pub struct Numerics {
 
 impl Summary {
     /// The summary of a response with these observables.
-    pub(crate) fn new(
+    pub(crate) fn new<S>(
         title: Option<String>,
-        assembly: &Assembly,
+        assembly: &Assembly<S>,
         at_rest: StaticSummary,
         found: &Observables,
         numerics: Numerics,

@@ -266,6 +266,19 @@ impl ExcitationSpec {
         bodies: &[Body],
         read: impl FnOnce(SamplesFile<'_>) -> Result<SampledFunction, E>,
     ) -> Result<LoadCase, E> {
+        let port = self.at().map_or(Ok(Port::TOP), |at| at.port(bodies))?;
+        self.load_case_at(port, read)
+    }
+
+    /// The load case with its force at `port`; `read` reads a file of samples.
+    ///
+    /// # Errors
+    /// Those of `read`, and [`StructureError::BaseJump`] for a base displaced by a half-sine.
+    pub fn load_case_at<E: From<StructureError>>(
+        &self,
+        port: Port,
+        read: impl FnOnce(SamplesFile<'_>) -> Result<SampledFunction, E>,
+    ) -> Result<LoadCase, E> {
         let (function, amplitude) = match self.function() {
             FunctionSpec::Of(function, amplitude) => (function, amplitude),
             FunctionSpec::Samples(file) => {
@@ -277,7 +290,6 @@ impl ExcitationSpec {
         if let Some((quantity, _)) = self.base() {
             return Ok(LoadCase::base_motion(quantity, function, amplitude)?);
         }
-        let port = self.at().map_or(Ok(Port::TOP), |at| at.port(bodies))?;
         Ok(LoadCase::force(function, amplitude).at(port))
     }
 }

@@ -23,6 +23,13 @@ pub enum Along {
     End(End),
     /// Distance from its upper end \[m\].
     PositionM(f64),
+    /// A node of a body of finite elements, in a direction.
+    Node {
+        /// Number of the node.
+        node: i64,
+        /// Direction along the axes; its length does not count.
+        direction: [f64; 3],
+    },
 }
 
 /// End of a body.
@@ -35,12 +42,17 @@ pub enum End {
     Lower,
 }
 
-/// Place on a body, with exactly one of `position_m` and `end`.
+/// Place on a body: of a bar with exactly one of `position_m` and `end`, of a body of matrices with `node` and
+/// `direction`.
 #[derive(Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(
     rename = "PlaceSpec",
-    extend("oneOf" = [{"required": ["position_m"]}, {"required": ["end"]}])
+    extend("oneOf" = [
+        {"required": ["position_m"]},
+        {"required": ["end"]},
+        {"required": ["node", "direction"]}
+    ])
 )]
 struct PlaceKeys {
     /// Name of the body.
@@ -53,16 +65,23 @@ struct PlaceKeys {
     /// End of the body; give this or `position_m`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     end: Option<End>,
+    /// Node of a body of matrices, with `direction`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    node: Option<i64>,
+    /// Direction of the force or the reading at `node`, along x, y and z; its length does not count.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    direction: Option<[f64; 3]>,
 }
 
 impl TryFrom<PlaceKeys> for PlaceSpec {
     type Error = &'static str;
 
     fn try_from(keys: PlaceKeys) -> Result<Self, Self::Error> {
-        let along = match (keys.position_m, keys.end) {
-            (Some(position), None) => Along::PositionM(position),
-            (None, Some(end)) => Along::End(end),
-            _ => return Err("a place needs exactly one of position_m and end"),
+        let along = match (keys.position_m, keys.end, keys.node, keys.direction) {
+            (Some(position), None, None, None) => Along::PositionM(position),
+            (None, Some(end), None, None) => Along::End(end),
+            (None, None, Some(node), Some(direction)) => Along::Node { node, direction },
+            _ => return Err("a place needs exactly one of position_m, end, and node with direction"),
         };
         Ok(Self { body: keys.body, along })
     }
@@ -70,11 +89,15 @@ impl TryFrom<PlaceKeys> for PlaceSpec {
 
 impl From<PlaceSpec> for PlaceKeys {
     fn from(place: PlaceSpec) -> Self {
-        let (position_m, end) = match place.along {
-            Along::PositionM(position) => (Some(position), None),
-            Along::End(end) => (None, Some(end)),
-        };
-        Self { body: place.body, position_m, end }
+        let keys =
+            Self { body: place.body, position_m: None, end: None, node: None, direction: None };
+        match place.along {
+            Along::PositionM(position) => Self { position_m: Some(position), ..keys },
+            Along::End(end) => Self { end: Some(end), ..keys },
+            Along::Node { node, direction } => {
+                Self { node: Some(node), direction: Some(direction), ..keys }
+            }
+        }
     }
 }
 
@@ -95,6 +118,11 @@ impl PlaceSpec {
             Along::End(End::Upper) => 0.0,
             Along::End(End::Lower) => own.length(),
             Along::PositionM(value) if (0.0..=own.length()).contains(&value) => value,
+            Along::Node { node, .. } => {
+                let (quantity, value) = ("node of a bar", node as f64);
+                let accepted = "position_m or end; nodes are those of bodies of matrices";
+                return Err(StructureError::Setting { quantity, value, accepted });
+            }
             Along::PositionM(value) => {
                 let (quantity, accepted) = ("position [m]", "0 to the length of the body");
                 return Err(StructureError::Setting { quantity, value, accepted });

@@ -12,6 +12,9 @@ use crate::failure::Failure;
 /// Validates and assembles a scenario, and prints the size of its run and unusual values.
 pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
     let document = super::read(input)?;
+    if document.has_matrices() {
+        return super::patches::check(&document, as_json);
+    }
     let scenario = super::checked(&document)?;
     let assembly = Assembly::new(&scenario, document.folder())?;
     let Assembly { structure, load, sampling, method, .. } = &assembly;

@@ -14,6 +14,9 @@ use crate::failure::Failure;
 /// Computes natural frequencies, damping ratios and mode shapes about static equilibrium.
 pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Failure> {
     let document = super::read(input)?;
+    if document.has_matrices() {
+        return super::patches::modes(&document, output, count);
+    }
     let scenario = super::checked(&document)?;
     let assembly = Assembly::new(&scenario, document.folder())?;
     let found = linearised_modes(&assembly, count)?;
@@ -27,10 +30,15 @@ pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Fa
     if output.json {
         return Ok(());
     }
+    show(&answer);
+    answer_line!("written to {}", folder.display());
+    Ok(())
+}
+
+/// Prints frequencies and damping.
+pub(super) fn show(answer: &ModesSummary) {
     for (number, mode) in answer.modes.iter().enumerate() {
         let (hz, percent) = (mode.frequency_hz, 100.0 * mode.damping_ratio);
         answer_line!("mode {:<3} {hz:>12.3} Hz   damping {percent:.3} %", number + 1);
     }
-    answer_line!("written to {}", folder.display());
-    Ok(())
 }

@@ -9,7 +9,7 @@ use asperity_plot as plot;
 use asperity_simulation::assemble::Assembly;
 use asperity_simulation::error::OutputError;
 use asperity_simulation::record::{frf_columns, frf_csv, history_csv, measurement_record};
-use asperity_simulation::run::{receptance, simulate_with_progress};
+use asperity_simulation::run::{Run, receptance, simulate_with_progress};
 use asperity_simulation::summary::{Amplitude, Summary};
 use serde_json::json;
 
@@ -28,6 +28,9 @@ pub(crate) fn run(
     quiet: bool,
 ) -> Result<(), Failure> {
     let document = super::read(input)?;
+    if document.has_matrices() {
+        return super::patches::simulate(&document, output, record, magnitude, quiet);
+    }
     let scenario = super::checked(&document)?;
     let folder = ResultFolder::claim("simulate", document.path(), output)?;
     // A scenario that cannot be assembled is an error of the run.
@@ -35,33 +38,9 @@ pub(crate) fn run(
         super::show_unusual_values(&assembly, quiet);
     }
 
-    let bar = crate::progress::bar(100, "integrating", quiet);
-    let shown = AtomicU64::new(0);
-    let run = simulate_with_progress(&document, &scenario, &|fraction| {
-        let percent = (100.0 * fraction) as u64;
-        if shown.swap(percent, Ordering::Relaxed) != percent {
-            bar.set_position(percent);
-        }
-    });
-    bar.finish_and_clear();
-    let run = run?;
-
-    folder.write("history.csv", history_csv(&run))?;
-    folder.draw("history", &plot::history(&run))?;
-    if let (Some(frf), Some(columns)) = (receptance(&run, 0)?, frf_columns(&run)?) {
-        folder.write("frf.csv", frf_csv(&columns))?;
-        folder.draw("frf", &plot::frf(&frf, &run.summary, magnitude.into()))?;
-    }
-    if let Some(format) = record {
-        let record = measurement_record(&run, scenario.title.as_deref());
-        let place = folder.unfinished(format.file_name())?;
-        let path = folder.0.path().join(format.file_name());
-        let written = write(&place, &[record], format.format(), &WriteOptions::default());
-        written.map_err(|error| match error {
-            MeasureError::Io { source, .. } => OutputError::Io { path, source }.into(),
-            other => Failure::from(AnalysisError::from(other)),
-        })?;
-    }
+    let run =
+        with_percents(quiet, |progress| simulate_with_progress(&document, &scenario, progress))?;
+    write_run(&folder, &run, record, magnitude)?;
     let folder = folder.finish("summary.json", &json!(run.summary), output.json)?;
     if !output.json && !quiet {
         answer!("{}", in_words(&run.summary));
@@ -70,11 +49,51 @@ pub(crate) fn run(
     Ok(())
 }
 
+/// The result of `work`, whose progress is shown in per cent.
+pub(super) fn with_percents<T>(quiet: bool, work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
+    let bar = crate::progress::bar(100, "integrating", quiet);
+    let shown = AtomicU64::new(0);
+    let result = work(&|fraction| {
+        let percent = (100.0 * fraction) as u64;
+        if shown.swap(percent, Ordering::Relaxed) != percent {
+            bar.set_position(percent);
+        }
+    });
+    bar.finish_and_clear();
+    result
+}
+
+/// Writes history, FRF and their figures, and the run as a measurement record.
+pub(super) fn write_run<S>(
+    folder: &ResultFolder,
+    run: &Run<S>,
+    record: Option<RecordFormat>,
+    magnitude: MagnitudeAxis,
+) -> Result<(), Failure> {
+    folder.write("history.csv", history_csv(run))?;
+    folder.draw("history", &plot::history(run))?;
+    if let (Some(frf), Some(columns)) = (receptance(run, 0)?, frf_columns(run)?) {
+        folder.write("frf.csv", frf_csv(&columns))?;
+        folder.draw("frf", &plot::frf(&frf, &run.summary, magnitude.into()))?;
+    }
+    if let Some(format) = record {
+        let record = measurement_record(run, run.summary.title.as_deref());
+        let place = folder.unfinished(format.file_name())?;
+        let path = folder.0.path().join(format.file_name());
+        let written = write(&place, &[record], format.format(), &WriteOptions::default());
+        written.map_err(|error| match error {
+            MeasureError::Io { source, .. } => OutputError::Io { path, source }.into(),
+            other => Failure::from(AnalysisError::from(other)),
+        })?;
+    }
+    Ok(())
+}
+
 /// Error over value up to which a number of a response that depends on rounding is stated.
 const STATED: f64 = 0.05;
 
 /// The summary as text.
-fn in_words(summary: &Summary) -> String {
+pub(super) fn in_words(summary: &Summary) -> String {
     let mut lines = Vec::new();
     let mut line = |name: &str, value: String| lines.push(format!("{name:<26}{value}\n"));
     if let Some(natural) = summary.at_rest.natural_frequency_hz {

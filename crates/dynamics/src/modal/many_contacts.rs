@@ -15,6 +15,7 @@
 mod contact_forces;
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use asperity_law::ContactLaw;
@@ -84,6 +85,8 @@ pub struct ManyContacts {
     load: usize,
     sensors: Vec<usize>,
     forces: ContactForces,
+    /// Contacts whose means over their area are recorded together.
+    groups: Vec<Range<usize>>,
 }
 
 impl ManyContacts {
@@ -118,7 +121,14 @@ impl ManyContacts {
             return Err(DynamicsError::Dissipative { element: element.to_owned() });
         }
         let forces = ContactForces::new(structure.contacts())?;
-        Ok(Self { structure, load, sensors, forces })
+        let groups = (0..count).map(|contact| contact..contact + 1).collect();
+        Ok(Self { structure, load, sensors, forces, groups })
+    }
+
+    /// The same with one interface of the history for each range of contacts, with means over their area.
+    #[must_use]
+    pub fn with_groups(self, groups: Vec<Range<usize>>) -> Self {
+        Self { groups, ..self }
     }
 
     /// The structure with its contacts at rest.
@@ -128,7 +138,7 @@ impl ManyContacts {
 
     /// The response from rest to `load`, whose own port does not count, with `parts` steps between samples.
     ///
-    /// The history has one interface for each contact.
+    /// The history has one interface for each contact, or [group](Self::with_groups) of them.
     ///
     /// # Errors
     /// [`DynamicsError::Setting`] for a load out of range or no parts; [`DynamicsError::Unstable`] when the
@@ -140,6 +150,20 @@ impl ManyContacts {
         sampling: &Sampling,
         parts: usize,
     ) -> Result<Transient, DynamicsError> {
+        self.integrate_groups(load, sampling, parts).map(|(transient, _)| transient)
+    }
+
+    /// As [`integrate`](Self::integrate), with the extremes of each contact beside the response, whose
+    /// own are of the means of groups: a group is lost while all of its contacts are.
+    ///
+    /// # Errors
+    /// Those of [`integrate`](Self::integrate).
+    pub fn integrate_groups(
+        &self,
+        load: &LoadCase,
+        sampling: &Sampling,
+        parts: usize,
+    ) -> Result<(Transient, Vec<ContactExtremes>), DynamicsError> {
         load.check()?;
         if parts == 0 {
             let (quantity, accepted) = ("number of steps between samples", "at least 1");
@@ -148,8 +172,7 @@ impl ManyContacts {
         let step = sampling.interval() / parts as f64;
         let mut run = Run::new(self, load, step);
         let samples = sampling.samples();
-        let count = self.structure.contacts().len();
-        let mut history = History::with_capacity(samples, self.sensors.len(), count);
+        let mut history = History::with_capacity(samples, self.sensors.len(), self.groups.len());
         for sample in 0..samples {
             run.record(sample as f64 * sampling.interval(), &mut history);
             for part in 1..=parts {
@@ -159,8 +182,9 @@ impl ManyContacts {
         let steps = samples * parts;
         let energy = run.energy();
         balanced(energy.residual_relative(), step, "step")?;
-        let contacts = run.extremes.iter().map(|one| one.finished(steps)).collect();
-        Ok(Transient { step, steps, history, contacts, energy })
+        let finished = |all: &[Extremes]| all.iter().map(|one| one.finished(steps)).collect();
+        let (contacts, cells) = (finished(&run.group_extremes), finished(&run.extremes));
+        Ok((Transient { step, steps, history, contacts, energy }, cells))
     }
 }
 
@@ -220,6 +244,7 @@ struct Run<'a> {
     kept: Option<KeptFactor>,
     largest: f64,
     extremes: Vec<Extremes>,
+    group_extremes: Vec<Extremes>,
     ledger: EnergyLedger,
 }
 
@@ -302,15 +327,19 @@ impl<'a> Run<'a> {
             }
         }
         let contacts = structure.contacts();
-        let extremes = contacts
-            .iter()
-            .map(|contact| Extremes {
-                pressure_min: contact.pressure(),
-                pressure_max: contact.pressure(),
-                lost: 0.0,
-                stiffness_sum: 0.0,
-            })
-            .collect();
+        let resting = |pressure: f64| Extremes {
+            pressure_min: pressure,
+            pressure_max: pressure,
+            lost: 0.0,
+            stiffness_sum: 0.0,
+        };
+        let extremes = contacts.iter().map(|contact| resting(contact.pressure())).collect();
+        let mean = |group: &Range<usize>| {
+            let cells = &contacts[group.clone()];
+            let force: f64 = cells.iter().map(|one| one.area() * one.pressure()).sum();
+            resting(force / cells.iter().map(|one| one.area()).sum::<f64>())
+        };
+        let group_extremes = system.groups.iter().map(mean).collect();
         let closed = contacts.iter().filter(|contact| contact.stiffness() > 0.0);
         let scale = closed.map(|contact| contact.pressure().abs() / contact.stiffness());
         let largest = LEAST * scale.fold(0.0, f64::max);
@@ -335,6 +364,7 @@ impl<'a> Run<'a> {
             kept: None,
             largest,
             extremes,
+            group_extremes,
             ledger: EnergyLedger::default(),
         };
         if load_value != 0.0 {
@@ -482,6 +512,7 @@ impl<'a> Run<'a> {
     /// crosses first contact.
     fn observe(&mut self, before: &[f64]) {
         let contacts = self.system.structure.contacts();
+        let mut shares = vec![0.0; contacts.len()];
         for (i, contact) in contacts.iter().enumerate() {
             let pressure = contact.pressure() + self.forces[i] / contact.area();
             let one = &mut self.extremes[i];
@@ -496,8 +527,32 @@ impl<'a> Run<'a> {
                 (true, false) => old / (old - new),
                 (false, true) => new / (new - old),
             };
+            shares[i] = share;
             one.lost += share * self.step;
         }
+        for (number, group) in self.system.groups.iter().enumerate() {
+            let (pressure, _, stiffness) = self.group(group);
+            let one = &mut self.group_extremes[number];
+            one.pressure_min = one.pressure_min.min(pressure);
+            one.pressure_max = one.pressure_max.max(pressure);
+            one.stiffness_sum += stiffness;
+            one.lost += self.step * shares[group.clone()].iter().copied().fold(1.0, f64::min);
+        }
+    }
+
+    /// Pressure, closure and stiffness of a group, means over its area.
+    fn group(&self, group: &Range<usize>) -> (f64, f64, f64) {
+        let contacts = self.system.structure.contacts();
+        let (mut area, mut force, mut closure, mut stiffness) = (0.0, 0.0, 0.0, 0.0);
+        for i in group.clone() {
+            let contact = &contacts[i];
+            let carried = contact.area() * contact.pressure() + self.forces[i];
+            area += contact.area();
+            force += carried.max(contact.area() * self.system.forces.lowest(i));
+            closure += contact.area() * (contact.closure() + self.closures[i]);
+            stiffness += self.stiffness[i];
+        }
+        (force / area, closure / area, stiffness / area)
     }
 
     /// Displacement of the loaded port \[m\].
@@ -533,15 +588,8 @@ impl<'a> Run<'a> {
         for (number, sensor) in history.sensors.iter_mut().enumerate() {
             sensor.push(self.sensor(number));
         }
-        let contacts = self.system.structure.contacts();
-        for (i, interface) in history.interfaces.iter_mut().enumerate() {
-            let contact = &contacts[i];
-            let pressure = contact.pressure() + self.forces[i] / contact.area();
-            interface.push((
-                pressure.max(self.system.forces.lowest(i)),
-                contact.closure() + self.closures[i],
-                self.stiffness[i] / contact.area(),
-            ));
+        for (group, interface) in self.system.groups.iter().zip(&mut history.interfaces) {
+            interface.push(self.group(group));
         }
     }
 

@@ -91,7 +91,7 @@ fn degenerate(
 }
 
 /// Checks that the output is long enough for a spectrum and fits into memory.
-fn samples(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
+pub(super) fn samples(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     let rate = match root.get("output_rate_hz") {
         Some(rate) => rate.value.as_f64(),
         None => Some(DEFAULT_OUTPUT_RATE_HZ),

@@ -1,0 +1,195 @@
+//! Commands for structures given by matrices.
+
+use asperity_scenario::{Document, StructureScenario};
+use asperity_simulation::patches::{
+    CellSummary, PatchStructure, assemble_patches, patch_modes, simulate_patches,
+};
+use asperity_simulation::provenance::Provenance;
+use asperity_simulation::summary::Summary;
+use serde_json::json;
+
+use super::ResultFolder;
+use super::simulate::{in_words, with_percents, write_run};
+use crate::args::Output;
+use crate::args::analyse::RecordFormat;
+use crate::args::figures::MagnitudeAxis;
+use crate::failure::Failure;
+
+/// Pressure of a cell over the largest at rest above which the cell is written as open in a map.
+const NAMED_CELLS: usize = 3;
+
+fn checked(document: &Document) -> Result<StructureScenario, Failure> {
+    document.structure_scenario().map_err(|source| Failure::Invalid {
+        kind: "scenario",
+        text: document.text().to_owned(),
+        path: document.path().to_owned(),
+        source,
+    })
+}
+
+/// Simulates one hit; writes summary, history, FRF, cells and figures.
+pub(super) fn simulate(
+    document: &Document,
+    output: &Output,
+    record: Option<RecordFormat>,
+    magnitude: MagnitudeAxis,
+    quiet: bool,
+) -> Result<(), Failure> {
+    let scenario = checked(document)?;
+    let folder = ResultFolder::claim("simulate", document.path(), output)?;
+    let found =
+        with_percents(quiet, |progress| simulate_patches(document, &scenario, progress))?;
+    write_run(&folder, &found.run, record, magnitude)?;
+    folder.write("cells.csv", cells_csv(&found.run.assembly.structure, &found.cells))?;
+    let summary = &found.run.summary;
+    let mut answer = json!(summary);
+    answer["cells"] = cells_json(&found.run.assembly.structure, &found.cells);
+    answer["truncation"] = json!({
+        "modes_per_body": found.run.assembly.structure.modes_per_body,
+        "relative_error": found.truncation,
+        "note": "flexibility of the modes left out is kept, their inertia is not; accelerations converge slowest",
+    });
+    let folder = folder.finish("summary.json", &answer, output.json)?;
+    if !output.json && !quiet {
+        answer!("{}", in_words(summary));
+        answer!("{}", cells_in_words(summary, &found.cells));
+        answer_line!("written to {}", folder.display());
+    }
+    Ok(())
+}
+
+/// `cells.csv`: a row for each cell.
+fn cells_csv(structure: &PatchStructure, cells: &[Vec<CellSummary>]) -> String {
+    let mut text = String::from(
+        "interface,cell,area_m2,pressure_at_rest_pa,gap_at_rest_m,pressure_min_pa,pressure_max_pa,contact_lost_s\n",
+    );
+    for (patch, cells) in structure.patches.iter().zip(cells) {
+        for one in cells {
+            text.push_str(&format!(
+                "{},{},{:e},{:e},{:e},{:e},{:e},{:e}\n",
+                patch.name,
+                one.cell,
+                one.area_m2,
+                one.pressure_pa,
+                one.gap_m,
+                one.pressure_min_pa,
+                one.pressure_max_pa,
+                one.contact_lost_s
+            ));
+        }
+    }
+    text
+}
+
+/// Numbers of the cells of each interface.
+fn cells_json(structure: &PatchStructure, cells: &[Vec<CellSummary>]) -> serde_json::Value {
+    let of = |(patch, cells): (&asperity_simulation::patches::Patch, &Vec<CellSummary>)| {
+        let most = |of: fn(&CellSummary) -> f64| cells.iter().map(of).fold(0.0, f64::max);
+        json!({
+            "interface": patch.name,
+            "cells": cells.len(),
+            "open_at_rest": cells.iter().filter(|one| one.gap_m > 0.0).count(),
+            "lose_contact": cells.iter().filter(|one| one.contact_lost_s > 0.0).count(),
+            "pressure_max_pa": most(|one| one.pressure_max_pa),
+            "contact_lost_longest_s": most(|one| one.contact_lost_s),
+        })
+    };
+    structure.patches.iter().zip(cells).map(of).collect()
+}
+
+fn cells_in_words(summary: &Summary, cells: &[Vec<CellSummary>]) -> String {
+    let mut text = String::new();
+    for (interface, cells) in summary.interfaces.iter().zip(cells) {
+        let open = cells.iter().filter(|one| one.gap_m > 0.0).count();
+        let lost = cells.iter().filter(|one| one.contact_lost_s > 0.0).count();
+        let mut worst: Vec<&CellSummary> = cells.iter().collect();
+        worst.sort_by(|a, b| b.pressure_max_pa.total_cmp(&a.pressure_max_pa));
+        let named: Vec<String> = worst
+            .iter()
+            .take(NAMED_CELLS)
+            .map(|one| format!("{} {:.4} MPa", one.cell, 1e-6 * one.pressure_max_pa))
+            .collect();
+        text.push_str(&format!(
+            "{:<26}{} cells, {open} open at rest, {lost} without contact for a time; highest: {}\n",
+            interface.name,
+            cells.len(),
+            named.join(", ")
+        ));
+    }
+    text
+}
+
+/// Computes natural frequencies, damping ratios and participations about static equilibrium.
+pub(super) fn modes(document: &Document, output: &Output, count: usize) -> Result<(), Failure> {
+    let scenario = checked(document)?;
+    let assembly = assemble_patches(&scenario, document.folder())?;
+    let found = patch_modes(&assembly, count)?;
+    let folder = ResultFolder::claim("modes", document.path(), output)?;
+    let provenance = Provenance::new(document, Vec::new());
+    let answer = found.summary(scenario.title.clone(), &assembly, provenance);
+    let folder = folder.finish("modes.json", &json!(answer), output.json)?;
+    if output.json {
+        return Ok(());
+    }
+    super::modes::show(&answer);
+    let free = answer.modes.iter().filter(|mode| mode.frequency_hz == 0.0).count();
+    if free > 0 {
+        answer_line!("{free} motions are held by no stiffness");
+    }
+    answer_line!("written to {}", folder.display());
+    Ok(())
+}
+
+/// Validates and assembles a structure, and prints its rest.
+pub(super) fn check(document: &Document, as_json: bool) -> Result<(), Failure> {
+    let scenario = checked(document)?;
+    let assembly = assemble_patches(&scenario, document.folder())?;
+    let structure = &assembly.structure;
+    let at_rest = structure.at_rest();
+    let open: Vec<usize> = structure
+        .patches
+        .iter()
+        .map(|patch| {
+            let cells = &structure.structure.contacts()[patch.cells.clone()];
+            cells.iter().filter(|cell| cell.gap() > 0.0).count()
+        })
+        .collect();
+    if as_json {
+        let answer = json!({
+            "schema": "asperity/check/1",
+            "valid": true,
+            "scenario_sha256": document.sha256(),
+            "natural_frequency_hz": at_rest.natural_frequency_hz,
+            "method": "many_contacts",
+            "modes_per_body": structure.modes_per_body,
+            "motions_without_stiffness": structure.rigid_motions,
+            "static": at_rest,
+            "open_cells": open,
+            "samples": assembly.sampling.samples(),
+            "notes": Vec::<String>::new(),
+        });
+        answer!("{}", super::pretty(&answer));
+        return Ok(());
+    }
+    answer_line!("{}: valid", document.path().display());
+    if let Some(natural) = at_rest.natural_frequency_hz {
+        answer_line!("  natural frequency at rest  {natural:.2} Hz");
+    }
+    let bodies = scenario.bodies.iter().zip(&structure.modes_per_body);
+    for ((body, modes), rigid) in bodies.zip(&structure.rigid_motions) {
+        answer_line!(
+            "  {:<26} {modes} modes, {rigid} motions without stiffness before contact",
+            body.name
+        );
+    }
+    for ((patch, one), open) in structure.patches.iter().zip(&at_rest.interfaces).zip(open) {
+        answer_line!(
+            "  {:<26} {} cells, {open} open at rest, mean pressure {:.4} MPa",
+            patch.name,
+            patch.cells.len(),
+            1e-6 * one.pressure_pa
+        );
+    }
+    answer_line!("  record                     {} samples", assembly.sampling.samples());
+    Ok(())
+}

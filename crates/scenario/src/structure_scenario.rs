@@ -1,0 +1,233 @@
+//! Scenario of a structure given by matrices of a finite-element program.
+
+use std::sync::LazyLock;
+
+use asperity_law::{LawRef, Laws};
+use asperity_structure::{DampingSpec, ExcitationSpec, SensorSpec};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::scenario::{DEFAULT_OUTPUT_RATE_HZ, MAX_OUTPUT_RATE_HZ, SchemaId, schema_of};
+
+/// Modes kept of each body by default.
+pub const DEFAULT_REDUCED_MODES: usize = 40;
+
+/// Bodies given by their matrices, with contact patches of many cells, static loads, an excitation and
+/// sensors.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StructureScenario {
+    /// Version of the scenario format.
+    pub schema: SchemaId,
+    /// Title, for the reader.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub title: Option<String>,
+    /// Bodies, in any order.
+    #[schemars(length(min = 1, max = 100))]
+    pub bodies: Vec<MatrixBodySpec>,
+    /// Acceleration of gravity along x, y and z in m/s².
+    #[serde(default)]
+    pub gravity_m_per_s2: [f64; 3],
+    /// Static loads beside gravity.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub loads: Vec<StaticLoadSpec>,
+    /// Contact patches.
+    #[schemars(length(min = 1, max = 100))]
+    pub interfaces: Vec<PatchSpec>,
+    /// Contact laws by name, to be shared by interfaces.
+    #[serde(default, skip_serializing_if = "Laws::is_empty")]
+    pub laws: Laws,
+    /// Damping of the bodies: mass-proportional, or Rayleigh.
+    pub damping: DampingSpec,
+    /// Force on a node.
+    #[serde(default)]
+    pub excitation: ExcitationSpec,
+    /// Sensors, from the first on: results are read at the first, and at the others beside it.
+    #[schemars(length(min = 1, max = 100))]
+    pub sensors: Vec<SensorSpec>,
+    /// Simulated time in s.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub duration_s: f64,
+    /// Sample rate of the output in Hz.
+    #[serde(default = "default_output_rate")]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = MAX_OUTPUT_RATE_HZ))]
+    pub output_rate_hz: f64,
+    /// Relative accuracy of the numbers of a response, the step of time chosen for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-6, max = 0.1))]
+    pub accuracy: Option<f64>,
+}
+
+/// Body given by its matrices.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MatrixBodySpec {
+    /// Name of the body.
+    #[schemars(length(min = 1))]
+    pub name: String,
+    /// Files of its stiffness and mass without contact.
+    pub matrices: MatricesSpec,
+    /// Deck with the nodes of the mesh: tells rows of internal amplitudes from displacements, names sets, and
+    /// makes the reduction faster. File relative to the scenario's folder.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub mesh: Option<String>,
+    /// Units of matrices and mesh; metre, kilogram and second when left out.
+    #[serde(default)]
+    pub units: UnitsSpec,
+    /// Modes kept.
+    #[serde(default)]
+    pub reduction: ReductionSpec,
+}
+
+/// Format of files of matrices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MatricesFormatSpec {
+    /// `row column value` a line, one triangle, and a file of rows with `node.direction` a line.
+    Calculix,
+    /// `node,direction, node,direction, value` a line, or `row column value` with a file of rows.
+    Abaqus,
+    /// Matrix Market, with a file of rows.
+    MatrixMarket,
+    /// MATLAB file with `K`, `M` and `dof`.
+    Matlab,
+    /// NumPy file with `K`, `M` and `dof`.
+    Npz,
+}
+
+/// Files of stiffness and mass, relative to the scenario's folder.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MatricesSpec {
+    /// Format of the files.
+    pub format: MatricesFormatSpec,
+    /// File of the stiffness; of everything, for MATLAB and NumPy.
+    #[schemars(length(min = 1))]
+    pub stiffness: String,
+    /// File of the mass; none for one MATLAB or NumPy file of both.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub mass: Option<String>,
+    /// File with the node and the direction of each row.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub rows: Option<String>,
+}
+
+/// Units of matrices and mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UnitsSpec {
+    /// Metres in a unit of length, 0.001 for millimetres.
+    #[serde(default = "one")]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub length_m: f64,
+    /// Kilograms in a unit of mass, 1000 for tonnes.
+    #[serde(default = "one")]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub mass_kg: f64,
+    /// Seconds in a unit of time.
+    #[serde(default = "one")]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub time_s: f64,
+}
+
+impl Default for UnitsSpec {
+    fn default() -> Self {
+        Self { length_m: 1.0, mass_kg: 1.0, time_s: 1.0 }
+    }
+}
+
+/// Reduction of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ReductionSpec {
+    /// Number of the lowest modes kept, without contact, the rigid ones included. The flexibility of all others
+    /// is kept at cells, loads and sensors.
+    #[serde(default = "default_modes")]
+    #[schemars(range(min = 1, max = 2000))]
+    pub modes: usize,
+}
+
+impl Default for ReductionSpec {
+    fn default() -> Self {
+        Self { modes: DEFAULT_REDUCED_MODES }
+    }
+}
+
+/// Static load: a file of nodal forces, or a force on a node or spread over a set of nodes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("oneOf" = [
+    {"required": ["file"]},
+    {"required": ["node", "direction", "force_n"]},
+    {"required": ["set", "direction", "force_n"]}
+]))]
+pub struct StaticLoadSpec {
+    /// Name of the body.
+    #[schemars(length(min = 1))]
+    pub body: String,
+    /// CSV of `node,direction,force_n`, relative to the scenario's folder.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub file: Option<String>,
+    /// Factor on the forces of the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor: Option<f64>,
+    /// Node on which the force acts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub node: Option<i64>,
+    /// Set of nodes of the mesh over which the force is spread evenly.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub set: Option<String>,
+    /// Direction of the force; its length does not count.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
+    /// Force in N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force_n: Option<f64>,
+}
+
+/// Contact patch: cells, each with one closure and one pressure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PatchSpec {
+    /// Name of the interface, used in the headers of the results.
+    #[schemars(length(min = 1))]
+    pub name: String,
+    /// Contact law: a name from "laws", or a law written in place.
+    pub law: LawRef,
+    /// Name of the body of the cells, unless their file has a column `body`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub body: Option<String>,
+    /// CSV of `cell,area_m2,node,direction,weight`, relative to the scenario's folder: the closure of a cell
+    /// is the sum of weight times displacement.
+    #[schemars(length(min = 1))]
+    pub cells: String,
+    /// Gap between the faces before they are loaded in m; negative for an interference.
+    #[serde(default)]
+    pub initial_gap_m: f64,
+}
+
+/// JSON Schema (draft 2020-12) of a structure given by matrices.
+pub fn structure_schema() -> &'static Value {
+    static SCHEMA: LazyLock<Value> = LazyLock::new(schema_of::<StructureScenario>);
+    &SCHEMA
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn default_modes() -> usize {
+    DEFAULT_REDUCED_MODES
+}
+
+fn default_output_rate() -> f64 {
+    DEFAULT_OUTPUT_RATE_HZ
+}

@@ -1,0 +1,17 @@
+//! Structures given by matrices of finite elements, with contact patches of many cells.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`structure`] | files of a scenario to a structure at rest, with its ports |
+//! | [`kept_reduction`] | reductions kept on disk under what they depend on |
+//! | [`run`] | transient runs |
+//! | [`modes`] | linearised modes |
+
+pub mod kept_reduction;
+pub mod modes;
+pub mod run;
+pub mod structure;
+
+pub use modes::{PatchModes, patch_modes};
+pub use run::{CellSummary, PatchRun, simulate_patches};
+pub use structure::{Patch, PatchStructure, assemble_patches};

@@ -1,0 +1,217 @@
+//! Reductions kept on disk beside the scenario, under what they depend on.
+//!
+//! A kept reduction is a file of little-endian numbers: a mark, the number of bodies, of each the numbers of modes and
+//! ports, angular frequencies, participations and residual flexibility, and a check sum. A file that is not
+//! whole is made again.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use asperity_mesh::{ReducedBody, ResidualFlexibility};
+use asperity_scenario::{StaticLoadSpec, StructureScenario, text_sha256};
+use serde_json::json;
+
+use crate::error::SimulationError;
+
+/// Folder of kept reductions, in the folder of the scenario.
+pub const FOLDER: &str = ".asperity-reductions";
+
+/// Kept reductions of a folder; the oldest are removed.
+const MOST_KEPT: usize = 20;
+
+const MARK: &[u8; 8] = b"asprrd01";
+
+/// What the reductions of a structure depend on, as the name of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ReductionKey(String);
+
+impl ReductionKey {
+    /// The key of the bodies of `scenario` with their ports: of its bodies, cells, places and the patterns of its loads,
+    /// whose size does not count, and of all files named there, with their sizes and times of change.
+    ///
+    /// # Errors
+    /// [`SimulationError::Input`] for a file that cannot be read.
+    pub fn new(folder: &Path, scenario: &StructureScenario) -> Result<Self, SimulationError> {
+        let StructureScenario { bodies, gravity_m_per_s2, loads, interfaces, .. } = scenario;
+        let unit = |load: &StaticLoadSpec| StaticLoadSpec {
+            force_n: load.force_n.map(|_| 1.0),
+            factor: None,
+            ..load.clone()
+        };
+        let cells: Vec<_> = interfaces.iter().map(|patch| (&patch.body, &patch.cells)).collect();
+        let places: Vec<_> = scenario.sensors.iter().map(|sensor| &sensor.at).collect();
+        let parts = json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "bodies": bodies,
+            "gravity": gravity_m_per_s2,
+            "loads": loads.iter().map(unit).collect::<Vec<_>>(),
+            "cells": cells,
+            "load": scenario.excitation.at(),
+            "sensors": places,
+        });
+        let mut text = parts.to_string();
+        let mut files: Vec<&String> = Vec::new();
+        for body in bodies {
+            files.push(&body.matrices.stiffness);
+            files.extend(body.matrices.mass.iter().chain(&body.matrices.rows).chain(&body.mesh));
+        }
+        files.extend(interfaces.iter().map(|patch| &patch.cells));
+        files.extend(loads.iter().filter_map(|load| load.file.as_ref()));
+        for file in files {
+            let path = folder.join(file);
+            let read = fs::metadata(&path).map_err(|source| SimulationError::Input {
+                path: path.clone(),
+                source: source.into(),
+            })?;
+            let changed = read.modified().ok().and_then(|time| {
+                time.duration_since(std::time::UNIX_EPOCH).ok().map(|since| since.as_nanos())
+            });
+            let _ = write!(text, "\n{} {} {changed:?}", path.display(), read.len());
+        }
+        Ok(Self(text_sha256(&text)))
+    }
+}
+
+/// The kept reductions of `key` beside the scenario in `folder`, if there are.
+pub fn find(folder: &Path, key: &ReductionKey) -> Option<Vec<ReducedBody>> {
+    decoded(&fs::read(folder.join(FOLDER).join(&key.0)).ok()?)
+}
+
+/// Keeps `reductions` beside the scenario in `folder`, where it can be written to.
+pub fn keep(folder: &Path, key: &ReductionKey, reductions: &[ReducedBody]) {
+    if let Err(error) = write(&folder.join(FOLDER).join(&key.0), &encoded(reductions)) {
+        tracing::info!("the reduction is not kept: {error}");
+    }
+}
+
+/// Writes a file under a temporary name, and removes the oldest of too many.
+fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    fs::create_dir_all(folder)?;
+    let unfinished = path.with_extension(format!("{}.part", std::process::id()));
+    fs::write(&unfinished, bytes)?;
+    fs::rename(&unfinished, path)?;
+    let mut kept: Vec<(std::time::SystemTime, PathBuf)> = fs::read_dir(folder)?
+        .flatten()
+        .filter_map(|entry| Some((entry.metadata().ok()?.modified().ok()?, entry.path())))
+        .collect();
+    kept.sort();
+    for (_, old) in kept.iter().rev().skip(MOST_KEPT) {
+        fs::remove_file(old)?;
+    }
+    Ok(())
+}
+
+fn encoded(bodies: &[ReducedBody]) -> Vec<u8> {
+    let mut bytes = MARK.to_vec();
+    bytes.extend((bodies.len() as u64).to_le_bytes());
+    for body in bodies {
+        let (modes, ports) = (body.angular_frequencies.len(), body.residual.ports());
+        bytes.extend((modes as u64).to_le_bytes());
+        bytes.extend((ports as u64).to_le_bytes());
+        let flexibility = (0..ports).flat_map(|a| (0..ports).map(move |b| (a, b)));
+        let flexibility = flexibility.map(|(a, b)| body.residual.get(a, b));
+        let participations = body.participations.iter().flatten().copied();
+        let numbers = body.angular_frequencies.iter().copied().chain(participations);
+        for number in numbers.chain(flexibility) {
+            bytes.extend(number.to_le_bytes());
+        }
+    }
+    let sum = check_sum(&bytes);
+    bytes.extend(sum.to_le_bytes());
+    bytes
+}
+
+fn decoded(bytes: &[u8]) -> Option<Vec<ReducedBody>> {
+    let (content, sum) = bytes.split_at_checked(bytes.len().checked_sub(8)?)?;
+    if check_sum(content).to_le_bytes() != sum {
+        return None;
+    }
+    let mut words = Words(content.strip_prefix(MARK)?);
+    let bodies = words.count()?;
+    let mut found = Vec::new();
+    for _ in 0..bodies {
+        let (modes, ports) = (words.count()?, words.count()?);
+        let angular_frequencies = words.numbers(modes)?;
+        let participations = (0..modes).map(|_| words.numbers(ports)).collect::<Option<_>>()?;
+        let rows = (0..ports).map(|_| words.numbers(ports)).collect::<Option<Vec<_>>>()?;
+        let residual = ResidualFlexibility::from_rows(&rows).ok()?;
+        found.push(ReducedBody { angular_frequencies, participations, residual });
+    }
+    words.0.is_empty().then_some(found)
+}
+
+/// Eight-byte words.
+struct Words<'a>(&'a [u8]);
+
+impl Words<'_> {
+    fn next(&mut self) -> Option<[u8; 8]> {
+        let (word, rest) = self.0.split_first_chunk::<8>()?;
+        self.0 = rest;
+        Some(*word)
+    }
+
+    /// A count of words that are left at most.
+    fn count(&mut self) -> Option<usize> {
+        let count = usize::try_from(u64::from_le_bytes(self.next()?)).ok()?;
+        (count <= self.0.len() / 8).then_some(count)
+    }
+
+    fn numbers(&mut self, count: usize) -> Option<Vec<f64>> {
+        (count <= self.0.len() / 8).then_some(())?;
+        (0..count).map(|_| self.next().map(f64::from_le_bytes)).collect()
+    }
+}
+
+/// FNV-1a.
+fn check_sum(bytes: &[u8]) -> u64 {
+    let step = |sum: u64, byte: &u8| (sum ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn body() -> ReducedBody {
+        ReducedBody {
+            angular_frequencies: vec![0.0, 3.5],
+            participations: vec![vec![1.0, -2.0, 0.5], vec![0.1, 0.2, 0.3]],
+            residual: ResidualFlexibility::from_rows(&[
+                vec![1.0, 0.1, 0.0],
+                vec![0.1, 2.0, 0.0],
+                vec![0.0, 0.0, 3.0],
+            ])
+            .unwrap(),
+        }
+    }
+
+    #[test]
+    fn a_reduction_is_read_back_to_the_last_bit() {
+        let bodies = vec![body(), body()];
+        assert_eq!(decoded(&encoded(&bodies)), Some(bodies));
+    }
+
+    #[test]
+    fn a_file_that_is_not_whole_is_no_reduction() {
+        let bytes = encoded(&[body()]);
+        for end in 0..bytes.len() {
+            assert_eq!(decoded(&bytes[..end]), None);
+        }
+        for at in 0..bytes.len() {
+            let mut changed = bytes.clone();
+            changed[at] ^= 4;
+            assert_eq!(decoded(&changed), None);
+        }
+    }
+
+    #[test]
+    fn what_was_kept_is_found() {
+        let folder = tempfile::tempdir().unwrap();
+        let key = ReductionKey("a".to_owned());
+        assert_eq!(find(folder.path(), &key), None);
+        keep(folder.path(), &key, &[body()]);
+        assert_eq!(find(folder.path(), &key), Some(vec![body()]));
+    }
+}

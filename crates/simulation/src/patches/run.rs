@@ -1,0 +1,263 @@
+//! Transient runs of structures with contact patches.
+//!
+//! A run is refined until its numbers are as accurate as was asked for: the step is halved, and the response
+//! of two thirds of the modes shows the error by the modes left out, whose flexibility is kept and
+//! whose inertia is not.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use std::time::Instant;
+
+use asperity_dynamics::{ContactExtremes, DynamicsError, ManyContacts, Transient};
+use asperity_scenario::{Document, StructureScenario};
+use asperity_structure::{PreloadedContact, PreloadedStructure};
+use serde::Serialize;
+use tracing::info_span;
+
+use super::structure::{PatchStructure, assemble_patches};
+use crate::accuracy::ErrorEstimate;
+use crate::assemble::Assembly;
+use crate::error::SimulationError;
+use crate::observables::Observables;
+use crate::provenance::{InputFile, Provenance};
+use crate::run::Run;
+use crate::summary::{Numerics, Summary};
+
+/// Steps of the first response in the period of the lowest natural frequency, and in the time in which the
+/// load changes.
+const STEPS_IN_PERIOD: f64 = 80.0;
+const STEPS_IN_LOAD: f64 = 20.0;
+
+/// Most halvings of the first step.
+const MOST_HALVINGS: u32 = 7;
+
+/// Most steps times contacts of a response that is refined any more.
+const MOST_WORK: f64 = 1e8;
+
+/// Share of the accuracy that the error by the step may have.
+const STEP_SHARE: f64 = 0.5;
+
+/// Least number of modes with inertia of a response with fewer of them.
+const LEAST_MODES: usize = 2;
+
+/// A finished run of a structure with patches.
+#[derive(Debug)]
+pub struct PatchRun {
+    /// The run, with an interface for each patch.
+    pub run: Run<PatchStructure>,
+    /// The cells of each patch.
+    pub cells: Vec<Vec<CellSummary>>,
+    /// Relative errors by the modes left out, at most.
+    pub truncation: f64,
+}
+
+/// A cell at rest and over the run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CellSummary {
+    /// Name of the cell.
+    pub cell: String,
+    /// Area \[m2\].
+    pub area_m2: f64,
+    /// Pressure at rest \[Pa\].
+    pub pressure_pa: f64,
+    /// Distance from first contact at rest \[m\]; zero for a closed cell.
+    pub gap_m: f64,
+    /// Lowest and highest pressure \[Pa\].
+    pub pressure_min_pa: f64,
+    /// Highest pressure \[Pa\].
+    pub pressure_max_pa: f64,
+    /// Time without contact \[s\].
+    pub contact_lost_s: f64,
+}
+
+impl CellSummary {
+    fn new(name: &str, contact: &PreloadedContact, seen: &ContactExtremes) -> Self {
+        Self {
+            cell: name.to_owned(),
+            area_m2: contact.area(),
+            pressure_pa: contact.pressure(),
+            gap_m: contact.gap(),
+            pressure_min_pa: seen.pressure_min,
+            pressure_max_pa: seen.pressure_max,
+            contact_lost_s: seen.lost,
+        }
+    }
+}
+
+/// Carries out the run that `document` describes; `progress` receives the fraction done.
+///
+/// # Errors
+/// [`SimulationError`] when the structure cannot be assembled or the run fails.
+pub fn simulate_patches(
+    document: &Document,
+    scenario: &StructureScenario,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<PatchRun, SimulationError> {
+    let started = Instant::now();
+    let assembly = info_span!("assemble")
+        .in_scope(|| assemble_patches(scenario, document.folder()))?;
+    progress(0.3);
+    let at_rest = assembly.structure.at_rest();
+    let system = system(&assembly, Arc::clone(&assembly.structure.structure))?;
+    let parts = first_parts(&assembly);
+    let found = refined(&assembly, &system, parts, progress)?;
+    let Refined { transient, cells, observables, truncation } = found;
+    for warning in &observables.warnings {
+        tracing::warn!("{warning}");
+    }
+    let numerics = Numerics {
+        method: "many_contacts",
+        step_s: transient.step,
+        steps: transient.steps,
+        modes_per_body: Some(assembly.structure.modes_per_body.clone()),
+        instructions: "scalar".to_owned(),
+        wall_s: started.elapsed().as_secs_f64(),
+    };
+    let provenance = provenance(document, scenario)?;
+    let title = scenario.title.clone();
+    let summary = Summary::new(title, &assembly, at_rest, &observables, numerics, provenance);
+    let contacts = assembly.structure.structure.contacts();
+    let patches = assembly.structure.patches.iter();
+    let of_patch = |patch: &super::Patch| {
+        let names = patch.cell_names.iter().zip(patch.cells.clone());
+        names.map(|(name, i)| CellSummary::new(name, &contacts[i], &cells[i])).collect()
+    };
+    let cells = patches.map(of_patch).collect();
+    progress(1.0);
+    Ok(PatchRun { run: Run { assembly, transient, observables, summary }, cells, truncation })
+}
+
+/// The files that a result depends on.
+fn provenance(
+    document: &Document,
+    scenario: &StructureScenario,
+) -> Result<Provenance, SimulationError> {
+    let mut names: Vec<&String> = Vec::new();
+    for body in &scenario.bodies {
+        let matrices = &body.matrices;
+        names.push(&matrices.stiffness);
+        names.extend(matrices.mass.iter().chain(&matrices.rows).chain(&body.mesh));
+    }
+    names.extend(scenario.interfaces.iter().map(|patch| &patch.cells));
+    names.extend(scenario.loads.iter().filter_map(|load| load.file.as_ref()));
+    let samples = scenario.excitation.samples().map(|samples| samples.file.to_owned());
+    let names = names.into_iter().cloned().chain(samples);
+    let files = names.map(|name| InputFile::read(document.folder(), name.as_ref()));
+    Ok(Provenance::new(document, files.collect::<Result<_, _>>()?))
+}
+
+fn system(
+    assembly: &Assembly<PatchStructure>,
+    structure: Arc<PreloadedStructure<asperity_mesh::ComponentModes>>,
+) -> Result<ManyContacts, SimulationError> {
+    let PatchStructure { patches, load, sensors, .. } = &assembly.structure;
+    let groups = patches.iter().map(|patch| patch.cells.clone()).collect();
+    Ok(ManyContacts::new(structure, *load, sensors.clone())?.with_groups(groups))
+}
+
+/// Steps between samples of the first response.
+fn first_parts(assembly: &Assembly<PatchStructure>) -> usize {
+    let natural = assembly.structure.structure.natural_frequency();
+    let period = natural.map_or(f64::INFINITY, |hz| 1.0 / (hz * STEPS_IN_PERIOD));
+    let step = period.min(assembly.load.time_scale() / STEPS_IN_LOAD);
+    let interval = assembly.sampling.interval();
+    if step.is_finite() { (interval / step).ceil().max(1.0) as usize } else { 1 }
+}
+
+/// A response that is accurate enough, or as accurate as work allows.
+struct Refined {
+    transient: Transient,
+    cells: Vec<ContactExtremes>,
+    observables: Observables,
+    truncation: f64,
+}
+
+/// A response with its observables; none of a step that is too long.
+type Response = (Transient, Vec<ContactExtremes>, Observables);
+
+fn respond(
+    assembly: &Assembly<PatchStructure>,
+    system: &ManyContacts,
+    parts: usize,
+) -> Result<Response, SimulationError> {
+    let (transient, cells) = system.integrate_groups(&assembly.load, &assembly.sampling, parts)?;
+    let at_rest = assembly.structure.at_rest();
+    let observables = Observables::of_transient(assembly, &at_rest, &transient)?;
+    Ok((transient, cells, observables))
+}
+
+fn refined(
+    assembly: &Assembly<PatchStructure>,
+    system: &ManyContacts,
+    first: usize,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Refined, SimulationError> {
+    let accuracy = assembly.accuracy;
+    let samples = assembly.sampling.samples() as f64;
+    let contacts = assembly.structure.structure.contacts().len() as f64;
+    let mut last: Option<Response> = None;
+    for halvings in 0..=MOST_HALVINGS {
+        let parts = first << halvings;
+        let may_halve =
+            halvings < MOST_HALVINGS && 2.0 * samples * parts as f64 * contacts <= MOST_WORK;
+        let found = match respond(assembly, system, parts) {
+            Err(SimulationError::Dynamics(
+                DynamicsError::Coarse { .. } | DynamicsError::Unstable { .. },
+            )) if may_halve => continue,
+            found => found?,
+        };
+        progress(0.3 + 0.6 * f64::from(halvings + 1) / f64::from(MOST_HALVINGS + 1));
+        let lost = found.1.iter().any(|one| one.lost > 0.0);
+        let by_step = match &last {
+            // Of second order while contact holds, of first where it is lost.
+            Some((_, _, coarser)) => ErrorEstimate::new(
+                found.2.all(),
+                coarser.all(),
+                if lost { 1.0 } else { 3.0 },
+                accuracy,
+            ),
+            None => ErrorEstimate::unknown(found.2.all(), accuracy),
+        };
+        tracing::debug!(step_s = found.0.step, error_by_step = by_step.relative, "refined");
+        if by_step.relative <= STEP_SHARE * accuracy || !may_halve {
+            let by_modes = truncation(assembly, parts, &found)?;
+            let truncation = by_modes.relative;
+            let (transient, cells, observables) = found;
+            let observables = observables.with_estimate(by_step.plus(&by_modes));
+            return Ok(Refined { transient, cells, observables, truncation });
+        }
+        last = Some(found);
+    }
+    // The last halving always returns.
+    Err(SimulationError::NoSensor)
+}
+
+/// Errors by the modes left out: the response of two thirds of them differs by more.
+fn truncation(
+    assembly: &Assembly<PatchStructure>,
+    parts: usize,
+    found: &Response,
+) -> Result<ErrorEstimate, SimulationError> {
+    let structure = &*assembly.structure.structure;
+    let modes = structure.component_modes();
+    let inert = modes.modes().iter().filter(|mode| !mode.massless).count();
+    let fewer = (2 * inert / 3).max(LEAST_MODES);
+    if fewer >= inert {
+        return Ok(ErrorEstimate::of_share(found.2.all(), 0.0, assembly.accuracy));
+    }
+    let fewer = PreloadedStructure::of_components(
+        modes.with_inertia_of(fewer),
+        structure.contacts().to_vec(),
+        asperity_structure::Damping::Rate(structure.damping_rate()),
+    )?;
+    let system = system(assembly, Arc::new(fewer))?;
+    let (_, _, other) = respond(assembly, &system, parts)?;
+    Ok(ErrorEstimate::new(found.2.all(), other.all(), 1.0, assembly.accuracy))
+}
+
+/// Highest frequency \[Hz\] of the modes whose inertia is kept.
+pub fn highest_frequency(structure: &PatchStructure) -> f64 {
+    let modes = structure.structure.component_modes().modes().iter();
+    let inert = modes.filter(|mode| !mode.massless).map(|mode| mode.angular_frequency);
+    inert.fold(0.0, f64::max) / TAU
+}

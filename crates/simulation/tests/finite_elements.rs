@@ -1,0 +1,257 @@
+//! Structures of matrices: against references by an independent program, and against bars in modal
+//! coordinates.
+//!
+//! The references are not part of this repository; without them their test is skipped by name.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use asperity_dynamics::{Batch, Modal, ModalModel, Sampling, TransientCase};
+use asperity_law::{ContactLaw, Power};
+use asperity_mesh::{Body, ComponentModes, Interface, ModeCount, Port, ResidualFlexibility, Stack, Support};
+use asperity_scenario::Document;
+use asperity_simulation::patches::{PatchRun, assemble_patches, patch_modes, simulate_patches};
+use asperity_simulation::record::history_columns;
+use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
+
+const SCENARIO: &str = r#"{"schema": "asperity/scenario/1",
+ "title": "two blocks",
+ "bodies": [{"name": "blocks", "mesh": "two_blocks.inp", "reduction": {"modes": 60},
+             "matrices": {"format": "calculix", "stiffness": "two_blocks.sti", "mass": "two_blocks.mas", "rows": "two_blocks.dof"}}],
+ "gravity_m_per_s2": [0, 0, -9.81],
+ "loads": [{"body": "blocks", "file": "loads.csv"}],
+ "interfaces": [{"name": "patch", "law": "rough", "body": "blocks", "cells": "cells.csv"}],
+ "laws": {"rough": {"kind": "power", "coefficient": 1e8, "exponent": 0.5}},
+ "damping": {"kind": "rayleigh", "rate_per_s": 60, "time_s": 4e-7},
+ "excitation": {"kind": "haversine", "peak_n": 100, "duration_s": 0.25e-3,
+                "at": {"body": "blocks", "node": 172, "direction": [0, 0, -1]}},
+ "sensors": [{"name": "hammer", "at": {"body": "blocks", "node": 172, "direction": [0, 0, 1]}, "kind": "displacement"},
+             {"name": "corner", "at": {"body": "blocks", "node": 230, "direction": [0, 0, 1]}, "kind": "displacement"}],
+ "duration_s": 0.005}"#;
+
+fn simulate(document: &Document) -> PatchRun {
+    let scenario = document.structure_scenario().unwrap();
+    simulate_patches(document, &scenario, &|_| ()).unwrap()
+}
+
+fn largest(samples: &[f64]) -> f64 {
+    samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
+}
+
+#[test]
+fn two_blocks_move_as_by_the_reference() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fe/two_blocks");
+    if !data.is_dir() {
+        eprintln!("skipped: no data of two_blocks");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for file in fs::read_dir(&data).unwrap().flatten() {
+        fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
+    }
+    let path = folder.path().join("scenario.json");
+    fs::write(&path, SCENARIO).unwrap();
+    let found = simulate(&Document::read(&path).unwrap());
+    let history = &found.run.transient.history;
+    for (sensor, expected) in history.sensors.iter().zip([5.81247e-6, 5.67676e-6]) {
+        let own = largest(&sensor.displacement);
+        assert!((own / expected - 1.0).abs() < 1e-3, "{own:e} {expected:e}");
+    }
+    let lost = found.cells[0][0].contact_lost_s;
+    assert!((lost - 1.3645e-3).abs() < 1e-5, "{lost}");
+    let open = found.cells[0].iter().filter(|cell| cell.contact_lost_s > 0.0).count();
+    assert_eq!(open, 4);
+    let accuracy = found.run.summary.accuracy.as_ref().unwrap();
+    assert!(accuracy.estimated_error < 0.05, "{accuracy:?}");
+    let columns = history_columns(&found.run);
+    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+    let expected = [
+        "time_s",
+        "force_n",
+        "hammer:displacement_m",
+        "corner:displacement_m",
+        "patch:pressure_pa",
+        "patch:closure_m",
+        "patch:stiffness_pa_per_m",
+    ];
+    assert_eq!(names, expected);
+
+    // The second run reads its reduction, and every format gives the same numbers.
+    let again = simulate(&Document::read(&path).unwrap());
+    assert_eq!(again.run.transient.history, found.run.transient.history);
+    let formats = [
+        r#"{"format": "matrix_market", "stiffness": "two_blocks_stiffness.mtx", "mass": "two_blocks_mass.mtx", "rows": "two_blocks.dof"}"#,
+        r#"{"format": "abaqus", "stiffness": "two_blocks_abaqus_STIF1.mtx", "mass": "two_blocks_abaqus_MASS1.mtx"}"#,
+        r#"{"format": "matlab", "stiffness": "two_blocks.mat"}"#,
+        r#"{"format": "matlab", "stiffness": "two_blocks_permuted.mat"}"#,
+    ];
+    let expected = [3429.41661, 3642.38494, 4383.65610, 12060.5388, 17288.4109, 21862.5587];
+    for format in formats {
+        let mut document = Document::read(&path).unwrap();
+        document.set("/bodies/0/matrices", format).unwrap();
+        let scenario = document.structure_scenario().unwrap();
+        let assembly = assemble_patches(&scenario, document.folder()).unwrap();
+        let modes = patch_modes(&assembly, 6).unwrap();
+        for (mode, frequency) in modes.modes.iter().zip(expected) {
+            let off = mode.frequency_hz / frequency - 1.0;
+            assert!(off.abs() < 1e-6, "{format}: {} {frequency}", mode.frequency_hz);
+        }
+    }
+}
+
+/// A block on a sample on the ground, in free modes of both bars.
+fn bars() -> (Stack, ComponentModes) {
+    let law: Arc<dyn ContactLaw> = Arc::new(Power::new(1.81e10, 0.35, 0.0).unwrap());
+    let bodies = vec![
+        Body::with_mass("guide bar", 0.229, 1.61, 71e9, 2710.0).unwrap(),
+        Body::new("sample", 0.015, 1.15e-4, 71e9, 2710.0).unwrap(),
+    ];
+    let contact = |name| Interface::new(name, 1.15e-4, Arc::clone(&law)).unwrap();
+    let contacts = vec![contact("upper"), contact("lower")];
+    let stack = Stack::new(bodies, contacts, Support::Rigid, 9.81).unwrap();
+    let modes = ComponentModes::of_stack(&stack, ModeCount::PerBody(4), &[Port::TOP]).unwrap();
+    let zero = ResidualFlexibility::zero(modes.ports());
+    let contacts = modes.contacts().to_vec();
+    let modes = ComponentModes::new(modes.modes().to_vec(), zero, contacts, Vec::new()).unwrap();
+    (stack, modes)
+}
+
+/// Files of matrices in modal coordinates: node n moves along x by the coordinate of mode n.
+fn write_files(folder: &Path, modes: &ComponentModes) {
+    let (mut stiffness, mut mass, mut rows) = (String::new(), String::new(), String::new());
+    for (row, mode) in modes.modes().iter().enumerate().map(|(row, mode)| (row + 1, mode)) {
+        writeln!(stiffness, "{row} {row} {:e}", mode.angular_frequency.powi(2)).unwrap();
+        writeln!(mass, "{row} {row} 1.0").unwrap();
+        writeln!(rows, "{row}.1").unwrap();
+    }
+    fs::write(folder.join("bars.sti"), stiffness).unwrap();
+    fs::write(folder.join("bars.mas"), mass).unwrap();
+    fs::write(folder.join("bars.dof"), rows).unwrap();
+    for (number, pair) in modes.contacts().iter().enumerate() {
+        let mut cells = String::from("cell,area_m2,node,direction,weight\n");
+        for (row, mode) in modes.modes().iter().enumerate() {
+            if mode.closure(*pair) != 0.0 {
+                writeln!(cells, "0,1.15e-4,{},1,{:e}", row + 1, mode.closure(*pair)).unwrap();
+            }
+        }
+        fs::write(folder.join(format!("cells{number}.csv")), cells).unwrap();
+    }
+    // Forces along the modes: the weight of rigid motions, and a hit whose shape is the first mode's.
+    let mut loads = String::from("node,direction,force_n\n");
+    for (row, mode) in modes.modes().iter().enumerate() {
+        if mode.angular_frequency == 0.0 {
+            let root_of_mass = 1.0 / largest(&mode.ports);
+            writeln!(loads, "{},1,{:e}", row + 1, 9.81 * root_of_mass).unwrap();
+        }
+    }
+    fs::write(folder.join("weight.csv"), loads).unwrap();
+}
+
+/// Bars given as matrices move as bars: at rest, in their modes, and in time by another integrator.
+#[test]
+fn bars_given_as_matrices_are_bars() {
+    let (stack, modes) = bars();
+    let folder = tempfile::tempdir().unwrap();
+    write_files(folder.path(), &modes);
+    let text = r#"{"schema": "asperity/scenario/1",
+     "bodies": [{"name": "bars", "reduction": {"modes": 8},
+                 "matrices": {"format": "calculix", "stiffness": "bars.sti", "mass": "bars.mas", "rows": "bars.dof"}}],
+     "loads": [{"body": "bars", "file": "weight.csv"}],
+     "interfaces": [{"name": "upper", "law": "pl", "body": "bars", "cells": "cells0.csv"},
+                    {"name": "lower", "law": "pl", "body": "bars", "cells": "cells1.csv"}],
+     "laws": {"pl": {"kind": "power", "coefficient": 1.81e10, "exponent": 0.35}},
+     "damping": {"kind": "mass_proportional", "rate_per_s": 352},
+     "excitation": {"kind": "gamma_pulse", "peak_n": 10, "rise_s": 0.34e-3,
+                    "at": {"body": "bars", "node": 1, "direction": [1, 0, 0]}},
+     "sensors": [{"name": "first", "at": {"body": "bars", "node": 1, "direction": [1, 0, 0]}, "kind": "displacement"}],
+     "duration_s": 0.02, "accuracy": 1e-4}"#;
+    let document = Document::parse(text, folder.path().join("bars.json")).unwrap();
+    let scenario = document.structure_scenario().unwrap();
+    let assembly = assemble_patches(&scenario, document.folder()).unwrap();
+    let expected = PreloadedStructure::new(stack, Damping::Rate(352.0)).unwrap();
+    for (own, bar) in assembly.structure.structure.contacts().iter().zip(expected.contacts()) {
+        assert!((own.pressure() / bar.pressure() - 1.0).abs() < 1e-9);
+    }
+    let structure = PreloadedStructure::of_components(
+        modes.clone(),
+        expected.contacts().to_vec(),
+        Damping::Rate(352.0),
+    )
+    .unwrap();
+    let [own, bar] = [&*assembly.structure.structure, &structure].map(|one| one.port_modes(4).unwrap());
+    for (own, bar) in own.iter().zip(&bar) {
+        assert!((own.frequency_hz / bar.frequency_hz - 1.0).abs() < 1e-9);
+        assert!((own.damping_ratio / bar.damping_ratio - 1.0).abs() < 1e-9);
+    }
+
+    // The force on the first coordinate is one of 1/sqrt(m) per newton on the centre of the guide bar; the
+    // same load acts on a port of that shape.
+    let mut shaped = modes.modes().to_vec();
+    for (number, mode) in shaped.iter_mut().enumerate() {
+        mode.ports.push(if number == 0 { 1.0 } else { 0.0 });
+    }
+    let ports = modes.ports();
+    let contacts = modes.contacts().to_vec();
+    let zero = ResidualFlexibility::zero(ports + 1);
+    let shaped = ComponentModes::new(shaped, zero, contacts, Vec::new()).unwrap();
+    let structure = PreloadedStructure::of_components(
+        shaped,
+        expected.contacts().to_vec(),
+        Damping::Rate(352.0),
+    )
+    .unwrap();
+    let model = Arc::new(ModalModel::new(structure, ports, &[ports]).unwrap());
+    let pulse = LoadCase::force(TimeFunction::GammaPulse { rise: 0.34e-3 }, 10.0);
+    let (step, sensor, tolerance) = (Some(2.5e-7), 0, None);
+    let case = TransientCase { model, load: pulse, sensor, duration: 0.02, step, tolerance };
+    let batch = Batch { instructions: Modal::default().instructions };
+    let bar = batch.transient(&case, &Sampling::new(0.02, 2e5).unwrap()).unwrap();
+    let found = simulate(&document);
+    let [own, bar] = [&found.run.transient, &bar].map(|one| &one.history.sensors[0].displacement);
+    let scale = largest(bar);
+    let off = own.iter().zip(bar).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    assert!(off < 2e-4 * scale, "{:e}", off / scale);
+}
+
+/// Faults are named with their place in the scenario, or their file and line.
+#[test]
+fn faults_of_structures_are_named() {
+    let (_, modes) = bars();
+    let folder = tempfile::tempdir().unwrap();
+    write_files(folder.path(), &modes);
+    let text = r#"{"schema": "asperity/scenario/1",
+     "bodies": [{"name": "bars", "reduction": {"modes": 8},
+                 "matrices": {"format": "calculix", "stiffness": "bars.sti", "mass": "bars.mas", "rows": "bars.dof"}}],
+     "loads": [{"body": "bars", "file": "weight.csv"}],
+     "interfaces": [{"name": "upper", "law": "pl", "body": "bars", "cells": "cells0.csv"},
+                    {"name": "lower", "law": "pl", "body": "bars", "cells": "cells1.csv"}],
+     "laws": {"pl": {"kind": "power", "coefficient": 1.81e10, "exponent": 0.35}},
+     "damping": {"kind": "mass_proportional", "rate_per_s": 352},
+     "sensors": [{"name": "first", "at": {"body": "bars", "node": 1, "direction": [1, 0, 0]}, "kind": "displacement"}],
+     "duration_s": 0.02}"#;
+    let cases = [
+        ("/sensors/0/at/node", "77", "/sensors/0/at: body \"bars\" has no row of node 77 direction 1"),
+        ("/sensors/0/at/direction", "[0, 0, 0]", "/sensors/0/at/direction: the direction has no length"),
+        ("/sensors/0/at/body", "bar", "no body"),
+        ("/loads/0", r#"{"body": "bars", "node": 1, "direction": [-1, 0, 0], "force_n": 99}"#, "no static equilibrium"),
+        ("/loads/0/file", "none.csv", "none.csv"),
+        ("/interfaces/0/cells", "weight.csv", "weight.csv, line 1"),
+        ("/bodies/0/matrices/stiffness", "bars.dof", "bars.dof"),
+        ("/interfaces/0/law", r#"{"kind": "exponential", "length_m": 1e-7}"#, "/interfaces/0/law: the law never separates"),
+        ("/damping", r#"{"kind": "loss_factor", "loss_factor": 0.01}"#, "/damping"),
+        ("/loads/0", r#"{"body": "bars", "set": "TOP", "direction": [1, 0, 0], "force_n": 9}"#, "has no mesh with sets"),
+    ];
+    for (pointer, value, expected) in cases {
+        let mut document = Document::parse(text, folder.path().join("bars.json")).unwrap();
+        document.set(pointer, value).unwrap();
+        let message = match document.structure_scenario() {
+            Err(error) => format!("{:?}", error.diagnostics),
+            Ok(scenario) => {
+                assemble_patches(&scenario, document.folder()).map(|_| ()).unwrap_err().to_string()
+            }
+        };
+        assert!(message.contains(expected), "{pointer}: {message}");
+    }
+}
