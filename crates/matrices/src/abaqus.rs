@@ -2,7 +2,8 @@
 //!
 //! `FORMAT=MATRIX INPUT` writes `node,direction, node,direction, value` a line; `FORMAT=COORDINATE` writes
 //! `row column value`, which needs a file of rows. A file has one triangle, in the order of the rows of
-//! the program or of its own, or both: its content tells. Internal nodes have numbers below 1.
+//! the program or of its own, or both: its content tells. Internal nodes have numbers below 1. Diagonals of
+//! 1e36 in the stiffness mark held degrees of freedom.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -60,7 +61,7 @@ fn read_one(content: Content, rows: Option<&[Dof]>) -> Result<File, MatricesErro
     let (mut entries, mut dofs) = (Vec::new(), Vec::new());
     let (mut last, mut last_row) = (None, 0);
     while let Some(line) = lines.next()? {
-        if line.starts_with(b"**") || line.trim_ascii().is_empty() {
+        if line.starts_with(b"*") || line.trim_ascii().is_empty() {
             continue;
         }
         let Some((row, column, value)) = labelled(line) else {

@@ -130,6 +130,10 @@ impl Matrices {
     /// rows, and mass and restraint of the rigid motions of a mesh.
     pub fn findings(&self, mesh: Option<&Nodes>) -> Vec<MatrixFinding> {
         let mut found = Vec::new();
+        if !self.held().is_empty() {
+            let count = self.held().len();
+            found.push(notice(format!("{count} rows are held by diagonals of 1e36, and removed")));
+        }
         self.check_definite("stiffness", self.stiffness(), &mut found);
         self.check_definite("mass", self.mass(), &mut found);
         let without = |matrix: &SparseSymmetric| {

@@ -19,7 +19,11 @@ pub struct Matrices {
     mass: SparseSymmetric,
     dofs: Vec<Dof>,
     index: HashMap<Dof, usize>,
+    held: Vec<Dof>,
 }
+
+/// Diagonal of the stiffness by which Abaqus marks a held degree of freedom.
+const HELD: f64 = 1e36;
 
 /// Format of files of matrices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -145,7 +149,7 @@ impl Matrices {
                 return Err(MatricesError::inconsistent(what, "expected one row each"));
             }
         }
-        Ok(Self { stiffness, mass, dofs, index })
+        Ok(Self { stiffness, mass, dofs, index, held: Vec::new() })
     }
 
     /// Number of rows.
@@ -171,6 +175,32 @@ impl Matrices {
     /// The row of a degree of freedom; none if it is held, dependent or not in the mesh.
     pub fn row(&self, dof: Dof) -> Option<usize> {
         self.index.get(&dof).copied()
+    }
+
+    /// Degrees of freedom whose rows the reader has removed, since the file marks them as held: diagonals
+    /// of 1e36 or more, which Abaqus writes for boundary conditions.
+    pub fn held(&self) -> &[Dof] {
+        &self.held
+    }
+
+    /// The matrices without rows that are marked as held.
+    fn without_held(self) -> Result<Self, MatricesError> {
+        let kept: Vec<bool> =
+            self.stiffness.diagonal().iter().map(|diagonal| *diagonal < 0.999 * HELD).collect();
+        if kept.iter().all(|kept| *kept) {
+            return Ok(self);
+        }
+        let (mut dofs, mut held) = (Vec::new(), Vec::new());
+        for (dof, kept) in self.dofs.iter().zip(&kept) {
+            if *kept { dofs.push(*dof) } else { held.push(*dof) }
+        }
+        let [stiffness, mass] =
+            [&self.stiffness, &self.mass].map(|matrix| matrix.restricted(&kept));
+        if dofs.is_empty() {
+            let what = "every row is held, by a diagonal of 1e36";
+            return Err(MatricesError::inconsistent(what, "expected rows that move"));
+        }
+        Ok(Self { held, ..Self::new(stiffness, mass, dofs)? })
     }
 
     /// Multiplies entries of stiffness and mass by the two numbers of `factors`, which is given the degrees
@@ -238,17 +268,18 @@ fn contents(
             }
         };
         let mass = mass.map(arrays).transpose()?;
-        return arrays(stiffness)?.matrices(mass, rows);
+        return arrays(stiffness)?.matrices(mass, rows)?.without_held();
     }
     let mass = mass.ok_or_else(|| {
         let what = format!("no file of the mass for the format {format}");
         MatricesError::inconsistent(what, "expected a file each for stiffness and mass")
     })?;
-    match format {
+    let matrices = match format {
         MatricesFormat::MatrixMarket => matrix_market::read([stiffness, mass], needed(rows)?),
         MatricesFormat::Abaqus => abaqus::read([stiffness, mass], rows),
         _ => calculix::read([stiffness, mass], needed(rows)?),
-    }
+    };
+    matrices?.without_held()
 }
 
 /// Stiffness and mass, each read by `read` on a thread of its own.

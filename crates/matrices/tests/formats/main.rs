@@ -165,6 +165,33 @@ fn formats_are_told_by_their_first_lines() {
 }
 
 #[test]
+fn rows_held_by_large_diagonals_are_removed() {
+    let stiffness = "1,1, 1,1, 1.000000000000000e+36\n1,1, 2,1, -3.0e+00\n2,1, 2,1, 5.0e+00\n2,1, 3,1, -2.0e+00\n\
+                     2,1, 1,1, -3.0e+00\n3,1, 2,1, -2.0e+00\n3,1, 3,1, 2.0e+00\n";
+    let mass = "1,1, 1,1, 1.0e+00\n2,1, 2,1, 1.0e+00\n1,1, 2,1, 2.0e-01\n3,1, 3,1, 1.0e+00\n";
+    let read = |stiffness: &str| {
+        read_bytes(MatricesFormat::Abaqus, stiffness.as_bytes(), Some(mass.as_bytes()), None)
+    };
+    let matrices = read(stiffness).unwrap();
+    assert_eq!(matrices.held(), [Dof::new(1, 1)]);
+    assert_eq!(matrices.dofs(), [Dof::new(2, 1), Dof::new(3, 1)]);
+    assert_eq!(
+        matrices.stiffness().triplets().collect::<Vec<_>>(),
+        [(0, 0, 5.0), (1, 0, -2.0), (1, 1, 2.0)]
+    );
+    assert_eq!(matrices.mass().diagonal(), [1.0, 1.0]);
+    assert_eq!(
+        matrices.findings(None)[0].to_string(),
+        "1 rows are held by diagonals of 1e36, and removed"
+    );
+    // The large diagonal does not hide an entry that is not symmetric.
+    let error = read(&stiffness.replace("3,1, 2,1, -2.0e+00", "3,1, 2,1, -2.5e+00"))
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("not symmetric"), "{error}");
+}
+
+#[test]
 fn faults_of_arrays_are_named() {
     let expected = structure();
     let [k, m] = [expected.stiffness(), expected.mass()].map(full);
