@@ -177,6 +177,30 @@ impl Matrices {
         self.index.get(&dof).copied()
     }
 
+    /// The row of a degree of freedom.
+    ///
+    /// # Errors
+    /// If there is none; the directions in which the node has rows are listed.
+    pub fn require_row(&self, dof: Dof) -> Result<usize, MatricesError> {
+        self.row(dof).ok_or_else(|| {
+            let of_node = self.dofs.iter().filter(|other| other.node == dof.node);
+            let mut directions: Vec<u8> = of_node.map(|other| other.direction).collect();
+            directions.sort_unstable();
+            let directions: Vec<String> = directions.iter().map(ToString::to_string).collect();
+            let remedy = if self.held.contains(&dof) {
+                "it is held by a boundary condition".to_owned()
+            } else if directions.is_empty() {
+                "the node has no rows: it is held, dependent (an equation or a tie), or not in the mesh".to_owned()
+            } else {
+                format!(
+                    "the node has rows in the directions {}; others are held or dependent (an equation or a tie)",
+                    directions.join(", ")
+                )
+            };
+            MatricesError::inconsistent(format!("no row of {dof}"), remedy)
+        })
+    }
+
     /// Degrees of freedom whose rows the reader has removed, since the file marks them as held: diagonals
     /// of 1e36 or more, which Abaqus writes for boundary conditions.
     pub fn held(&self) -> &[Dof] {

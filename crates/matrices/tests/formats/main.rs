@@ -110,6 +110,47 @@ fn numpy_archives_of_k_and_m_and_of_sdynpy() {
     );
 }
 
+#[test]
+fn matrices_of_scipy_in_files_of_their_own() {
+    let expected = structure();
+    let words = |values: &[usize]| {
+        values.iter().flat_map(|v| (*v as u32).to_le_bytes()).collect::<Vec<_>>()
+    };
+    let archive = |matrix: &SparseSymmetric, coordinates: bool| {
+        let values = full(matrix);
+        let kept: Vec<usize> = (0..16).filter(|index| values[*index] != 0.0).collect();
+        let data: Vec<f64> = kept.iter().map(|index| values[*index]).collect();
+        let rows: Vec<usize> = kept.iter().map(|index| index % 4).collect();
+        let count = format!("({},)", kept.len());
+        let mut arrays = vec![
+            ("data", npy("'<f8'", false, &count, &le(&data))),
+            ("shape", npy("'<i8'", false, "(2,)", &[4_i64, 4].map(i64::to_le_bytes).concat())),
+            ("format", npy("'|S3'", false, "()", b"csc")),
+        ];
+        if coordinates {
+            let columns: Vec<usize> = kept.iter().map(|index| index / 4).collect();
+            arrays.push(("row", npy("'<i4'", false, &count, &words(&rows))));
+            arrays.push(("col", npy("'<i4'", false, &count, &words(&columns))));
+        } else {
+            let starts =
+                (0..=4).map(|column| kept.iter().filter(|index| **index < 4 * column).count());
+            arrays.push(("indices", npy("'<i4'", false, &count, &words(&rows))));
+            arrays
+                .push(("indptr", npy("'<i4'", false, "(5,)", &words(&starts.collect::<Vec<_>>()))));
+        }
+        npz(&arrays)
+    };
+    let rows = rows_text(&expected);
+    for coordinates in [false, true] {
+        let [k, m] =
+            [expected.stiffness(), expected.mass()].map(|matrix| archive(matrix, coordinates));
+        let read = read_bytes(MatricesFormat::Npz, &k, Some(&m), Some(rows.as_bytes())).unwrap();
+        assert_eq!(read, expected);
+        let error = read_bytes(MatricesFormat::Npz, &k, Some(&m), Some(b"1.1\n1.2\n")).unwrap_err();
+        assert_eq!(error.to_string(), "stiffness, array K: 4 x 4; expected 2 x 2");
+    }
+}
+
 fn le(values: &[f64]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
@@ -142,6 +183,24 @@ fn texts_plain_and_gzip_are_the_same() {
     let error =
         read_bytes(MatricesFormat::Calculix, &bomb, Some(fm), Some(fr)).unwrap_err().to_string();
     assert!(error.contains("times its size") || error.contains("a line of more than"), "{error}");
+}
+
+#[test]
+fn a_row_that_is_not_there_is_explained() {
+    let matrices = structure();
+    assert_eq!(matrices.require_row(Dof::new(120, 1)).unwrap(), 2);
+    let error =
+        |node, direction| matrices.require_row(Dof::new(node, direction)).unwrap_err().to_string();
+    assert!(
+        error(12, 2).starts_with(
+            "no row of node 12 direction 2; the node has rows in the directions 1, 3;"
+        )
+    );
+    assert!(
+        error(13, 2).starts_with(
+            "no row of node 13 direction 2; the node has no rows: it is held, dependent"
+        )
+    );
 }
 
 #[test]
