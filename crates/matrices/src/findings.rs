@@ -113,7 +113,8 @@ impl Matrices {
         if let Some((row, column, value)) = excess {
             found.push(fault(format!(
                 "the {name} has the entry {value:e} of row {} and column {}, larger than their diagonals {:e} and \
-                 {:e} allow; expected a matrix without negative directions",
+                 {:e} allow; expected a matrix without negative directions (no Lagrange multipliers of constraints or \
+                 of hybrid elements)",
                 row_name(row),
                 row_name(column),
                 diagonal[row],
