@@ -166,7 +166,7 @@ struct Rows {
 impl Rows {
     /// Reads the header. All of `accepted` are needed, except the last, `body`.
     fn new(mut lines: Lines, accepted: &[&str]) -> Result<Self, MatricesError> {
-        let line = lines.next()?.unwrap_or_default();
+        let Some(line) = lines.next()? else { return Err(lines.ends_early("it is empty")) };
         let columns = fields(line.strip_prefix("\u{feff}".as_bytes()).unwrap_or(line));
         let known = columns.iter().all(|column| accepted.contains(&column.as_str()));
         let distinct = columns.iter().collect::<HashSet<_>>().len() == columns.len();
@@ -308,7 +308,7 @@ mod tests {
             assert!(error.starts_with(&format!("c.csv, line {line}: ")), "{error}");
         }
         let error = loads(content("")).unwrap_err().to_string();
-        assert!(error.starts_with("c.csv, line 0: ``; expected the columns"), "{error}");
+        assert_eq!(error, "c.csv ends early, at line 0: it is empty");
         let error = loads(content("node,direction\n1,3\n")).unwrap_err().to_string();
         assert!(error.contains("expected the columns node,direction,force_n"), "{error}");
     }
