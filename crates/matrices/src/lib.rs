@@ -14,6 +14,7 @@
 //! | [CalculiX](MatricesFormat::Calculix) | `.sti`, `.mas`, `.dof` of `*FREQUENCY, SOLVER=MATRIXSTORAGE` |
 //! | [Abaqus](MatricesFormat::Abaqus) | `.mtx` of `*MATRIX OUTPUT`, formats MATRIX INPUT and COORDINATE |
 //! | [Matrix Market](MatricesFormat::MatrixMarket) | `.mtx`, coordinate, symmetric or general |
+//! | [Nastran](MatricesFormat::Nastran) | `DMIG` entries of a punch file or of bulk data |
 //! | [MATLAB](MatricesFormat::Matlab) | `.mat` of versions 5 to 7, sparse or full |
 //! | [NumPy](MatricesFormat::Npz) | `.npz`, among them systems of SDynPy |
 //!
@@ -41,9 +42,11 @@ mod dof;
 mod element_kind;
 mod error;
 mod findings;
+mod labelled;
 mod matlab;
 mod matrices;
 mod matrix_market;
+mod nastran;
 mod nodes;
 mod npz;
 mod number_type;

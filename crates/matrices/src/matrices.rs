@@ -8,7 +8,7 @@ use std::str::FromStr;
 use crate::error::{MatricesError, Place};
 use crate::sparse::{Assembled, Entry, EntryFault, MOST_ROWS, SparseSymmetric, Triangles};
 use crate::text::{Content, Fields, Lines};
-use crate::{Dof, abaqus, calculix, matlab, matrix_market, npz};
+use crate::{Dof, abaqus, calculix, matlab, matrix_market, nastran, npz};
 
 /// Stiffness and mass of a structure without contact, and the degree of freedom of each row.
 ///
@@ -35,6 +35,8 @@ pub enum MatricesFormat {
     Abaqus,
     /// `%%MatrixMarket matrix coordinate real symmetric` or `general`, with a file of rows.
     MatrixMarket,
+    /// `DMIG` entries, in one file for both matrices or one for each.
+    Nastran,
     /// Variables `K`, `M` and `dof` (rows of node and direction) of one file.
     Matlab,
     /// Arrays `K`, `M` and `dof`, or `stiffness`, `mass` and `coordinate`, of one file.
@@ -46,19 +48,19 @@ pub enum MatricesFormat {
 pub struct MatrixFiles {
     /// Their format.
     pub format: MatricesFormat,
-    /// The file of the stiffness; of everything, for MATLAB and NumPy.
+    /// The file of the stiffness; of everything, for MATLAB and NumPy, and for Nastran if it has both.
     pub stiffness: PathBuf,
-    /// The file of the mass; none for MATLAB and NumPy.
+    /// The file of the mass; none if the other has it.
     pub mass: Option<PathBuf>,
     /// The file with the node and the direction of each row. Needed for CalculiX, Matrix Market, and
-    /// Abaqus with `FORMAT=COORDINATE`; without it, rows of Abaqus are in ascending order.
+    /// Abaqus with `FORMAT=COORDINATE`; without it, rows of Abaqus and Nastran are in ascending order.
     pub rows: Option<PathBuf>,
 }
 
 impl MatricesFormat {
     /// All formats.
-    pub const ALL: [Self; 5] =
-        [Self::Calculix, Self::Abaqus, Self::MatrixMarket, Self::Matlab, Self::Npz];
+    pub const ALL: [Self; 6] =
+        [Self::Calculix, Self::Abaqus, Self::MatrixMarket, Self::Nastran, Self::Matlab, Self::Npz];
 
     /// The format of a file of the stiffness, by its first lines: files that end in `.mtx` are of Matrix Market
     /// or of Abaqus. A file of lines `row column value` is taken as of CalculiX; Abaqus with
@@ -80,6 +82,9 @@ impl MatricesFormat {
             return Ok(Self::MatrixMarket);
         }
         let lines = start.split(|byte| *byte == b'\n');
+        if lines.clone().any(|line| line.starts_with(b"DMIG")) {
+            return Ok(Self::Nastran);
+        }
         let first =
             lines.filter(|line| !line.starts_with(b"**")).find(|line| Fields(line).count() > 0);
         match first.map(|line| Fields(line).count()) {
@@ -88,7 +93,7 @@ impl MatricesFormat {
             _ => {
                 let found = first.map_or("an empty file".to_owned(), crate::text::found);
                 let expected =
-                    "the start of a matrix of CalculiX, Abaqus, Matrix Market, MATLAB or NumPy";
+                    "the start of a matrix of CalculiX, Abaqus, Matrix Market, Nastran, MATLAB or NumPy";
                 Err(MatricesError::malformed(&name, Place::Line(1), found, expected))
             }
         }
@@ -100,6 +105,7 @@ impl MatricesFormat {
             Self::Calculix => "calculix",
             Self::Abaqus => "abaqus",
             Self::MatrixMarket => "matrix_market",
+            Self::Nastran => "nastran",
             Self::Matlab => "matlab",
             Self::Npz => "npz",
         }
@@ -294,6 +300,9 @@ fn contents(
         let mass = mass.map(arrays).transpose()?;
         return arrays(stiffness)?.matrices(mass, rows)?.without_held();
     }
+    if format == MatricesFormat::Nastran {
+        return nastran::read(stiffness, mass, rows)?.without_held();
+    }
     let mass = mass.ok_or_else(|| {
         let what = format!("no file of the mass for the format {format}");
         MatricesError::inconsistent(what, "expected a file each for stiffness and mass")
@@ -421,7 +430,7 @@ mod tests {
         for format in MatricesFormat::ALL {
             assert_eq!(format.name().parse::<MatricesFormat>().unwrap(), format);
         }
-        let error = "nastran".parse::<MatricesFormat>().unwrap_err().to_string();
-        assert!(error.contains("calculix, abaqus, matrix_market, matlab, npz"), "{error}");
+        let error = "ansys".parse::<MatricesFormat>().unwrap_err().to_string();
+        assert!(error.contains("calculix, abaqus, matrix_market, nastran, matlab, npz"), "{error}");
     }
 }

@@ -207,7 +207,8 @@ fn a_row_that_is_not_there_is_explained() {
 fn formats_are_told_by_their_first_lines() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("k.mtx");
-    let cases: [(&[u8], _); 5] = [
+    let cases: [(&[u8], _); 6] = [
+        (b"$ punch\nDMIG    KAAX           0       6       2\n", MatricesFormat::Nastran),
         (b"%%MatrixMarket matrix coordinate real symmetric\n", MatricesFormat::MatrixMarket),
         (b"** comment\n5,1, 5,1,  2.0e+00\n", MatricesFormat::Abaqus),
         (b"1 1 2.0\n", MatricesFormat::Calculix),
