@@ -92,8 +92,7 @@ impl MatricesFormat {
             Some(5) => Ok(Self::Abaqus),
             _ => {
                 let found = first.map_or("an empty file".to_owned(), crate::text::found);
-                let expected =
-                    "the start of a matrix of CalculiX, Abaqus, Matrix Market, Nastran, MATLAB or NumPy";
+                let expected = "the start of a matrix of CalculiX, Abaqus, Matrix Market, Nastran, MATLAB or NumPy";
                 Err(MatricesError::malformed(&name, Place::Line(1), found, expected))
             }
         }

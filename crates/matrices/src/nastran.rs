@@ -70,8 +70,13 @@ fn read_all(content: Content) -> Result<Vec<Dmig>, MatricesError> {
             continue;
         }
         let Some(fields) = fields(line) else {
-            let found = found(line);
-            return Err(lines.malformed(found, "ASCII characters"));
+            if line.starts_with(b"DMIG") || line.starts_with(b"*") {
+                let found = found(line);
+                return Err(lines.malformed(found, "ASCII characters"));
+            }
+            // A title or another entry.
+            open = None;
+            continue;
         };
         let continues = fields[0].is_empty() || fields[0].starts_with(['+', '*']);
         let groups = if continues {
@@ -175,7 +180,7 @@ mod tests {
 
     /// The punch of a program: large fields that touch, a scalar point, both matrices, and other entries.
     const PUNCH: &str = "\
-$ punch
+$ TITLE = Zylinder für Prüfung
 BEGIN BULK
 DMIG    KAAX           0       6       2       0                       3
 DMIG*   KAAX                          21               2
