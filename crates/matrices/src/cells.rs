@@ -48,6 +48,17 @@ pub struct NodalForce {
 /// # Errors
 /// [`MatricesError`] names file and line of a missing column, of a text that is no number, of an area that is
 /// not positive or differs within a cell, and of a degree of freedom that a cell has twice.
+///
+/// ```
+/// use asperity_matrices::{Dof, read_cells};
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("cells.csv");
+/// std::fs::write(&path, "cell,area_m2,node,direction,weight\n0,1e-4,5,3,-1\n0,1e-4,164,3,1\n")?;
+/// let cells = read_cells(&path)?;
+/// assert_eq!((cells[0].area_m2, cells[0].weights[1].dof), (1e-4, Dof::new(164, 3)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read_cells(path: &Path) -> Result<Vec<ContactCell>, MatricesError> {
     cells(Content::open(path)?)
 }

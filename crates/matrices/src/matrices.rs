@@ -251,6 +251,22 @@ impl Matrices {
 /// # Errors
 /// [`MatricesError`] names file and line of content that is not of the format, of rows out of range, of
 /// entries that are given twice or are not symmetric, and of files that end early.
+///
+/// ```no_run
+/// use asperity_matrices::{MatricesFormat, MatrixFiles, MatrixUnits, read};
+///
+/// let mut matrices = read(&MatrixFiles {
+///     format: MatricesFormat::Abaqus,
+///     stiffness: "lap_STIF1.mtx".into(),
+///     mass: Some("lap_MASS1.mtx".into()),
+///     rows: None,
+/// })?;
+/// matrices.convert(MatrixUnits::new(1e-3, 1e3, 1.0)?); // mm, t, s
+/// for finding in matrices.findings(None) {
+///     println!("{finding}");
+/// }
+/// # Ok::<(), asperity_matrices::MatricesError>(())
+/// ```
 pub fn read(files: &MatrixFiles) -> Result<Matrices, MatricesError> {
     let open = |path: &Option<PathBuf>| path.as_deref().map(Content::open).transpose();
     let (mass, rows) = (open(&files.mass)?, open(&files.rows)?);
@@ -261,6 +277,19 @@ pub fn read(files: &MatrixFiles) -> Result<Matrices, MatricesError> {
 ///
 /// # Errors
 /// As [`read()`].
+///
+/// Two masses and two springs:
+/// ```
+/// use asperity_matrices::{Dof, MatricesFormat, read_bytes};
+///
+/// let stiffness = b"1 1 2.0\n1 2 -1.0\n2 2 1.0\n";
+/// let mass = b"1 1 0.5\n1 2 0.0\n2 2 0.5\n";
+/// let rows = b"12.3\n14.3\n"; // nodes 12 and 14, both along z
+/// let matrices = read_bytes(MatricesFormat::Calculix, stiffness, Some(mass), Some(rows))?;
+/// assert_eq!(matrices.row(Dof::new(14, 3)), Some(1));
+/// assert_eq!(matrices.stiffness().multiply(&[1.0, 1.0]), [1.0, 0.0]);
+/// # Ok::<(), asperity_matrices::MatricesError>(())
+/// ```
 pub fn read_bytes(
     format: MatricesFormat,
     stiffness: &[u8],
