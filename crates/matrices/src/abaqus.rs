@@ -2,15 +2,13 @@
 //!
 //! `FORMAT=MATRIX INPUT` writes `node,direction, node,direction, value` a line; `FORMAT=COORDINATE` writes
 //! `row column value`, which needs a file of rows. A file has one triangle, in the order of the rows of
-//! the program or of its own, or both: its content tells. Internal nodes have numbers below 1.
-
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
+//! the program or of its own, or both: its content tells. Internal nodes have numbers below 1. Diagonals of
+//! 1e36 in the stiffness mark held degrees of freedom.
 
 use crate::calculix::indexed_entries;
-use crate::matrices::{assemble, both};
+use crate::labelled::{self, LabelledEntries};
+use crate::matrices::both;
 use crate::matrix_market::BANNER;
-use crate::sparse::{Entry, Triangles};
 use crate::text::{Content, Fields, Lines, found, number, whole};
 use crate::{Dof, Matrices, MatricesError};
 
@@ -22,48 +20,17 @@ pub(crate) fn read(
     rows: Option<Vec<Dof>>,
 ) -> Result<Matrices, MatricesError> {
     let files = both(contents, |content| read_one(content, rows.as_deref()))?;
-    let dofs = match rows {
-        Some(rows) => rows,
-        None => union(&files),
-    };
-    let index: Index = dofs.iter().enumerate().map(|(row, dof)| (*dof, row as u32)).collect();
-    let [stiffness, mass] = files.map(|mut file| {
-        // Rows in the order of appearance become rows of both matrices.
-        let to: Option<Vec<u32>> = file.dofs.iter().map(|dof| index.get(dof).copied()).collect();
-        let Some(to) = to else {
-            let unnamed = file.dofs.iter().find(|dof| !index.contains_key(dof));
-            let unnamed = unnamed.map(ToString::to_string).unwrap_or_default();
-            let what = format!("{}: {unnamed} is not in the file of rows", file.name);
-            return Err(MatricesError::inconsistent(
-                what,
-                "expected every row, or no file of rows",
-            ));
-        };
-        for entry in &mut file.entries {
-            (entry.row, entry.column) = (to[entry.row as usize], to[entry.column as usize]);
-        }
-        Ok(assemble(&file.name, &dofs, file.entries, Triangles::OneOrBoth)?.matrix)
-    });
-    Matrices::new(stiffness?, mass?, dofs)
+    labelled::matrices(files, rows)
 }
 
-/// Entries of a file, with rows numbered by `dofs`.
-struct File {
-    name: String,
-    entries: Vec<Entry>,
-    dofs: Vec<Dof>,
-}
-
-fn read_one(content: Content, rows: Option<&[Dof]>) -> Result<File, MatricesError> {
+fn read_one(content: Content, rows: Option<&[Dof]>) -> Result<LabelledEntries, MatricesError> {
     let mut lines = Lines::new(content);
-    let mut index = Index::default();
-    let (mut entries, mut dofs) = (Vec::new(), Vec::new());
-    let (mut last, mut last_row) = (None, 0);
+    let mut file = LabelledEntries::new(&lines.name);
     while let Some(line) = lines.next()? {
-        if line.starts_with(b"**") || line.trim_ascii().is_empty() {
+        if line.starts_with(b"*") || line.trim_ascii().is_empty() {
             continue;
         }
-        let Some((row, column, value)) = labelled(line) else {
+        let Some((row, column, value)) = entry_of(line) else {
             let found = found(line);
             if line.starts_with(BANNER) {
                 return Err(lines.malformed(
@@ -71,7 +38,7 @@ fn read_one(content: Content, rows: Option<&[Dof]>) -> Result<File, MatricesErro
                     format!("{ACCEPTED}; this file has the format matrix_market"),
                 ));
             }
-            if Fields(line).count() != 3 || !entries.is_empty() {
+            if Fields(line).count() != 3 || !file.is_empty() {
                 return Err(lines.malformed(found, ACCEPTED));
             }
             // The format of coordinates, whose rows have numbers only.
@@ -83,29 +50,19 @@ fn read_one(content: Content, rows: Option<&[Dof]>) -> Result<File, MatricesErro
             };
             lines.step_back();
             let entries = indexed_entries(&mut lines, rows.len())?;
-            return Ok(File { name: lines.name, entries, dofs: rows.to_vec() });
+            return Ok(LabelledEntries::of_rows(&lines.name, entries, rows));
         };
-        let mut row_of = |dof: Dof| {
-            *index.entry(dof).or_insert_with(|| {
-                dofs.push(dof);
-                (dofs.len() - 1) as u32
-            })
-        };
-        if last != Some(row) {
-            (last, last_row) = (Some(row), row_of(row));
-        }
-        let column = if column == row { last_row } else { row_of(column) };
-        entries.push(Entry { row: last_row, column, value });
+        file.add(row, column, value);
     }
     lines.check_end()?;
-    if entries.is_empty() {
+    if file.is_empty() {
         return Err(lines.ends_early("it has no entries"));
     }
-    Ok(File { name: lines.name, entries, dofs })
+    Ok(file)
 }
 
 /// An entry with the degrees of freedom of row and column.
-fn labelled(line: &[u8]) -> Option<(Dof, Dof, f64)> {
+fn entry_of(line: &[u8]) -> Option<(Dof, Dof, f64)> {
     let mut fields = Fields(line);
     let mut dof = || {
         let (node, direction) = (fields.next()?, fields.next()?);
@@ -114,40 +71,6 @@ fn labelled(line: &[u8]) -> Option<(Dof, Dof, f64)> {
     let (row, column) = (dof()?, dof()?);
     let value = number(fields.next()?)?;
     fields.next().is_none().then_some((row, column, value))
-}
-
-/// The rows of both files: those of mesh nodes by node and direction, then internal ones.
-fn union(files: &[File; 2]) -> Vec<Dof> {
-    let mut dofs: Vec<Dof> = files.iter().flat_map(|file| &file.dofs).copied().collect();
-    dofs.sort_unstable_by_key(|dof| (dof.node < 1, dof.node.abs(), dof.direction));
-    dofs.dedup();
-    dofs
-}
-
-type Index = HashMap<Dof, u32, BuildHasherDefault<Multiplicative>>;
-
-/// Hash of numbers by multiplication, for maps with millions of look-ups.
-#[derive(Default)]
-struct Multiplicative(u64);
-
-impl Hasher for Multiplicative {
-    fn finish(&self) -> u64 {
-        self.0 ^ (self.0 >> 32)
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.write_i64(i64::from(*byte));
-        }
-    }
-
-    fn write_u8(&mut self, value: u8) {
-        self.write_i64(i64::from(value));
-    }
-
-    fn write_i64(&mut self, value: i64) {
-        self.0 = (self.0.rotate_left(5) ^ value as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    }
 }
 
 #[cfg(test)]

@@ -152,11 +152,68 @@ impl Arrays {
         names: [&str; 2],
         dofs: &[Dof],
     ) -> Result<SparseSymmetric, MatricesError> {
-        let array = self.need(names)?;
+        let array = match self.scipy()? {
+            Some(array) => array,
+            None => self.need(names)?,
+        };
         self.check_shape(names[0], &array, (dofs.len(), dofs.len()))?;
         self.check_finite(names[0], &array)?;
         let file = format!("{}, array {}", self.file, names[0]);
         Ok(assemble(&file, dofs, array.entries(), Triangles::OneOrBoth)?.matrix)
+    }
+
+    /// The one matrix of an archive of `scipy.sparse.save_npz`, in the format csr, csc or coo. The matrix is
+    /// symmetric, so that rows and columns may be exchanged.
+    fn scipy(&mut self) -> Result<Option<Array>, MatricesError> {
+        let mut numbers = |name: &str| -> Result<Option<Vec<f64>>, MatricesError> {
+            let Some(array) = self.take([name, ""]) else { return Ok(None) };
+            match array {
+                Array::Dense(dense) => Ok(Some(dense.values().to_vec())),
+                Array::Sparse { .. } => Err(self.wrong(name, "it is sparse".into(), "numbers")),
+            }
+        };
+        let (starts, indices) = (numbers("indptr")?, numbers("indices")?);
+        let (rows, columns) = (numbers("row")?, numbers("col")?);
+        let (values, shape) = (numbers("data")?, numbers("shape")?);
+        let (rows, columns) = match (starts, indices, rows, columns) {
+            (Some(starts), Some(indices), _, _) => {
+                if !starts.is_sorted() || starts.last() != Some(&(indices.len() as f64)) {
+                    return Err(self.wrong(
+                        "indptr",
+                        "it does not ascend to the number of entries".into(),
+                        "a csr or csc matrix",
+                    ));
+                }
+                let of = |index: usize| {
+                    starts.partition_point(|start| *start <= index as f64) as f64 - 1.0
+                };
+                ((0..indices.len()).map(of).collect(), indices)
+            }
+            (_, _, Some(rows), Some(columns)) => (rows, columns),
+            _ => return Ok(None),
+        };
+        let (Some(values), Some(&[count, across])) = (values, shape.as_deref()) else {
+            return Err(self.wrong(
+                "data",
+                "it is absent, or there is no shape".into(),
+                "a matrix of scipy.sparse",
+            ));
+        };
+        let size = u32::try_from(count as i64).ok().filter(|_| count == across);
+        let within = |index: &f64| *index >= 0.0 && *index < count;
+        let lengths = rows.len() == columns.len() && rows.len() == values.len();
+        let Some(size) = size.filter(|_| lengths && rows.iter().chain(&columns).all(within)) else {
+            return Err(self.wrong(
+                "shape",
+                format!("{count} x {across}"),
+                "a square matrix with its entries",
+            ));
+        };
+        let places = rows.iter().zip(&columns).zip(values);
+        let entries = places
+            .map(|((row, column), value)| Entry { row: *row as u32, column: *column as u32, value })
+            .collect();
+        Ok(Some(Array::Sparse { rows: size as usize, columns: size as usize, entries }))
     }
 
     /// The rows: `n x 2`, node and direction.

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use crate::text::{Content, Lines, found, number, whole};
+use crate::text::{Content, Fields, Lines, found, number, whole};
 use crate::{Dof, MatricesError};
 
 /// A cell of a contact patch: an area with one closure and one pressure.
@@ -48,12 +48,24 @@ pub struct NodalForce {
 /// # Errors
 /// [`MatricesError`] names file and line of a missing column, of a text that is no number, of an area that is
 /// not positive or differs within a cell, and of a degree of freedom that a cell has twice.
+///
+/// ```
+/// use asperity_matrices::{Dof, read_cells};
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("cells.csv");
+/// std::fs::write(&path, "cell,area_m2,node,direction,weight\n0,1e-4,5,3,-1\n0,1e-4,164,3,1\n")?;
+/// let cells = read_cells(&path)?;
+/// assert_eq!((cells[0].area_m2, cells[0].weights[1].dof), (1e-4, Dof::new(164, 3)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read_cells(path: &Path) -> Result<Vec<ContactCell>, MatricesError> {
     cells(Content::open(path)?)
 }
 
-/// Reads forces from CSV with the columns `node,direction,force_n` and optionally `body`. Forces on one
-/// degree of freedom add up.
+/// Reads forces from CSV with the columns `node,direction,force_n` and optionally `body`, or from the lines
+/// `node,direction,force` after `*CLOAD`, as Abaqus writes them with `*MATRIX OUTPUT, LOAD`; forces are then in N
+/// too. Forces on one degree of freedom add up.
 ///
 /// # Errors
 /// [`MatricesError`] names file and line of a missing column and of a text that is no number.
@@ -63,7 +75,7 @@ pub fn read_loads(path: &Path) -> Result<Vec<NodalForce>, MatricesError> {
 
 fn cells(content: Content) -> Result<Vec<ContactCell>, MatricesError> {
     let columns = ["cell", "area_m2", "node", "direction", "weight", "body"];
-    let mut rows = Rows::new(content, &columns)?;
+    let mut rows = Rows::new(Lines::new(content), &columns)?;
     let mut cells: Vec<ContactCell> = Vec::new();
     let mut index: HashMap<String, usize> = HashMap::new();
     let mut seen = HashSet::new();
@@ -104,7 +116,13 @@ fn cells(content: Content) -> Result<Vec<ContactCell>, MatricesError> {
 }
 
 fn loads(content: Content) -> Result<Vec<NodalForce>, MatricesError> {
-    let mut rows = Rows::new(content, &["node", "direction", "force_n", "body"])?;
+    let mut lines = Lines::new(content);
+    if lines.next()?.is_some_and(|line| line.starts_with(b"*")) {
+        lines.step_back();
+        return concentrated(lines);
+    }
+    lines.step_back();
+    let mut rows = Rows::new(lines, &["node", "direction", "force_n", "body"])?;
     let mut loads = Vec::new();
     while rows.next()? {
         loads.push(NodalForce {
@@ -112,6 +130,38 @@ fn loads(content: Content) -> Result<Vec<NodalForce>, MatricesError> {
             dof: rows.dof()?,
             force_n: rows.number("force_n")?,
         });
+    }
+    Ok(loads)
+}
+
+/// Forces after `*CLOAD`.
+fn concentrated(mut lines: Lines) -> Result<Vec<NodalForce>, MatricesError> {
+    const ACCEPTED: &str = "`node,direction,force` with the number of a node, after *CLOAD";
+    let (mut loads, mut within) = (Vec::new(), false);
+    while let Some(line) = lines.next()? {
+        if line.starts_with(b"**") || line.trim_ascii().is_empty() {
+            continue;
+        }
+        if line.starts_with(b"*") {
+            let keyword = line.split(|byte| *byte == b',').next().unwrap_or_default();
+            // The imaginary part of a load has no meaning at rest.
+            let imaginary = line.to_ascii_uppercase().windows(9).any(|word| word == b"IMAGINARY");
+            within = keyword.trim_ascii().eq_ignore_ascii_case(b"*CLOAD") && !imaginary;
+            if !within {
+                let found = found(line);
+                return Err(lines.malformed(found, "*CLOAD with real forces"));
+            }
+            continue;
+        }
+        let mut fields = Fields(line);
+        let dof = fields.next().and_then(whole).zip(fields.next().and_then(whole));
+        let dof = dof.and_then(|(node, direction)| Dof::of_numbers(node, direction));
+        let force = fields.next().and_then(number);
+        let (Some(dof), Some(force_n), None, true) = (dof, force, fields.next(), within) else {
+            let found = found(line);
+            return Err(lines.malformed(found, ACCEPTED));
+        };
+        loads.push(NodalForce { body: None, dof, force_n });
     }
     Ok(loads)
 }
@@ -126,9 +176,8 @@ struct Rows {
 
 impl Rows {
     /// Reads the header. All of `accepted` are needed, except the last, `body`.
-    fn new(content: Content, accepted: &[&str]) -> Result<Self, MatricesError> {
-        let mut lines = Lines::new(content);
-        let line = lines.next()?.unwrap_or_default();
+    fn new(mut lines: Lines, accepted: &[&str]) -> Result<Self, MatricesError> {
+        let Some(line) = lines.next()? else { return Err(lines.ends_early("it is empty")) };
         let columns = fields(line.strip_prefix("\u{feff}".as_bytes()).unwrap_or(line));
         let known = columns.iter().all(|column| accepted.contains(&column.as_str()));
         let distinct = columns.iter().collect::<HashSet<_>>().len() == columns.len();
@@ -257,6 +306,20 @@ mod tests {
         let read = loads(content("node,direction,force_n\n164,3,-2.5\n164,3,1\n")).unwrap();
         assert_eq!(read[0], NodalForce { body: None, dof: Dof::new(164, 3), force_n: -2.5 });
         assert_eq!(read.len(), 2);
+        let text = "** Assembled nodal loads\n*CLOAD, REAL\n2,3,  5.4e+04\n-2,5, -9.0D+03\n";
+        let read = loads(content(text)).unwrap();
+        assert_eq!(read[1], NodalForce { body: None, dof: Dof::new(-2, 5), force_n: -9e3 });
+        for (old, new, line) in [
+            ("2,3,", "TOP,3,", 3),
+            ("REAL", "IMAGINARY", 2),
+            ("*CLOAD", "*DLOAD", 2),
+            ("2,3,", "2,7,", 3),
+        ] {
+            let error = loads(content(&text.replacen(old, new, 1))).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("c.csv, line {line}: ")), "{error}");
+        }
+        let error = loads(content("")).unwrap_err().to_string();
+        assert_eq!(error, "c.csv ends early, at line 0: it is empty");
         let error = loads(content("node,direction\n1,3\n")).unwrap_err().to_string();
         assert!(error.contains("expected the columns node,direction,force_n"), "{error}");
     }

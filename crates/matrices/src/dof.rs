@@ -32,6 +32,12 @@ impl Dof {
     }
 }
 
+impl From<(i64, u8)> for Dof {
+    fn from((node, direction): (i64, u8)) -> Self {
+        Self { node, direction }
+    }
+}
+
 impl fmt::Display for Dof {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "node {} direction {}", self.node, self.direction)

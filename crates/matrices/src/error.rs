@@ -54,7 +54,7 @@ pub enum MatricesError {
         file: String,
         /// The end.
         place: Place,
-        /// What is missing.
+        /// The part that is missing.
         missing: String,
     },
     /// Content that needs more memory than the size of the file allows.
@@ -105,9 +105,9 @@ pub enum MatricesError {
     /// Parts of a structure that do not fit together.
     #[error("{what}; {remedy}")]
     Inconsistent {
-        /// What is wrong, and where.
+        /// The fault, and its place.
         what: String,
-        /// What is accepted.
+        /// The content accepted.
         remedy: String,
     },
     /// A feature of a file that cannot be read.
@@ -119,7 +119,7 @@ pub enum MatricesError {
         place: Place,
         /// The feature.
         feature: String,
-        /// What to do instead.
+        /// The remedy.
         remedy: String,
     },
 }

@@ -3,7 +3,10 @@
 use std::fmt;
 
 use crate::sparse::SparseSymmetric;
-use crate::{Matrices, Nodes};
+use crate::{Matrices, Nodes, RigidMotions};
+
+/// Most parts whose rigid motions are listed.
+const MOST_PARTS: usize = 10;
 
 /// Something wrong or surprising in matrices, in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -17,37 +20,6 @@ pub struct MatrixFinding {
 impl fmt::Display for MatrixFinding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text)
-    }
-}
-
-/// Rigid motions of a mesh in its matrices: three translations and three rotations about the centre of the
-/// nodes that have rows.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RigidMotions {
-    /// Displacement of every row in each motion: of the degrees of freedom of mesh nodes; zero in internal rows.
-    pub motions: [Vec<f64>; 6],
-    /// Mass of the motions, `e_i^T M e_j`: in kg, kg m and kg m^2.
-    pub mass: [[f64; 6]; 6],
-    /// Strain energy of each motion over the energy of its rows one by one, `e^T K e / sum of e_i^2 K_ii`:
-    /// about 1e-13 for a free motion, above 1e-6 where the structure is held.
-    pub energy_ratio: [f64; 6],
-}
-
-impl RigidMotions {
-    /// Names of the motions.
-    pub const NAMES: [&str; 6] = ["along x", "along y", "along z", "about x", "about y", "about z"];
-
-    /// Largest [`Self::energy_ratio`] of a free motion; rounding of 14 digits is far below.
-    pub const FREE: f64 = 1e-9;
-
-    /// Mass in translation along x, y and z in kg. Rows of held nodes are absent, and so is their share.
-    pub fn translational_mass(&self) -> [f64; 3] {
-        [0, 1, 2].map(|motion| self.mass[motion][motion])
-    }
-
-    /// The motions that need no force.
-    pub fn free(&self) -> impl Iterator<Item = usize> {
-        (0..6).filter(|motion| self.energy_ratio[*motion] < Self::FREE)
     }
 }
 
@@ -77,59 +49,15 @@ impl Matrices {
         loads
     }
 
-    /// The rigid motions of a mesh.
-    pub fn rigid_motions(&self, mesh: &Nodes) -> RigidMotions {
-        let places: Vec<Option<[f64; 3]>> =
-            self.dofs().iter().map(|dof| mesh.get(dof.node)).collect();
-        let mut centre = [0.0; 3];
-        let known: Vec<&[f64; 3]> = places.iter().flatten().collect();
-        for place in &known {
-            for (sum, x) in centre.iter_mut().zip(*place) {
-                *sum += x / known.len() as f64;
-            }
-        }
-        let motions: [Vec<f64>; 6] = std::array::from_fn(|motion| {
-            let rows = self.dofs().iter().zip(&places);
-            rows.map(|(dof, place)| {
-                let Some(place) = place else { return 0.0 };
-                let Some(direction) = usize::from(dof.direction).checked_sub(1) else { return 0.0 };
-                match motion.checked_sub(3) {
-                    None => f64::from(u8::from(direction == motion)),
-                    Some(axis) if direction >= 3 => f64::from(u8::from(direction - 3 == axis)),
-                    Some(axis) => {
-                        // The displacement is the axis cross the place.
-                        let arm = |index: usize| place[index] - centre[index];
-                        match (direction + 3 - axis) % 3 {
-                            0 => 0.0,
-                            1 => -arm((direction + 1) % 3),
-                            _ => arm((direction + 2) % 3),
-                        }
-                    }
-                }
-            })
-            .collect()
-        });
-        let diagonal = self.stiffness().diagonal();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let mut mass = [[0.0; 6]; 6];
-        let mut energy_ratio = [0.0; 6];
-        for (i, motion) in motions.iter().enumerate() {
-            let inertia = self.mass().multiply(motion);
-            for (j, other) in motions.iter().enumerate() {
-                mass[i][j] = dot(&inertia, other);
-            }
-            let separate: f64 = motion.iter().zip(&diagonal).map(|(e, k)| e * e * k).sum();
-            let energy = dot(&self.stiffness().multiply(motion), motion);
-            energy_ratio[i] = if separate > 0.0 { energy.abs() / separate } else { 0.0 };
-        }
-        RigidMotions { motions, mass, energy_ratio }
-    }
-
     /// Faults and surprises of the matrices: diagonals that are negative, entries larger than the
     /// diagonals of their row and column allow, rows without stiffness or mass, internal rows, nodes without
-    /// rows, and mass and restraint of the rigid motions of a mesh.
+    /// rows, the extent of the mesh, and for each part of it the mass and the rigid motions without stiffness.
     pub fn findings(&self, mesh: Option<&Nodes>) -> Vec<MatrixFinding> {
         let mut found = Vec::new();
+        if !self.held().is_empty() {
+            let count = self.held().len();
+            found.push(notice(format!("{count} rows are held by diagonals of 1e36, and removed")));
+        }
         self.check_definite("stiffness", self.stiffness(), &mut found);
         self.check_definite("mass", self.mass(), &mut found);
         let without = |matrix: &SparseSymmetric| {
@@ -185,7 +113,8 @@ impl Matrices {
         if let Some((row, column, value)) = excess {
             found.push(fault(format!(
                 "the {name} has the entry {value:e} of row {} and column {}, larger than their diagonals {:e} and \
-                 {:e} allow; expected a matrix without negative directions",
+                 {:e} allow; expected a matrix without negative directions (no Lagrange multipliers of constraints or \
+                 of hybrid elements)",
                 row_name(row),
                 row_name(column),
                 diagonal[row],
@@ -202,21 +131,63 @@ impl Matrices {
             let text = "nodes of the mesh have no rows: they are held, dependent, or in no element";
             found.push(notice(format!("{without} {text}")));
         }
-        let rigid = self.rigid_motions(mesh);
-        let [x, y, z] = rigid.translational_mass();
-        let present = [1, 2, 3].map(|axis| self.dofs().iter().any(|dof| dof.direction == axis));
-        let largest = x.max(y).max(z);
-        let negligible =
-            [x, y, z].iter().zip(present).any(|(mass, there)| there && *mass <= 1e-9 * largest);
-        let text = format!("mass in translation along x, y, z: {x:.6e}, {y:.6e}, {z:.6e} kg");
-        if largest <= 0.0 || negligible {
-            found.push(fault(format!("{text}; expected a positive mass in every direction")));
-        } else {
-            found.push(notice(text));
+        self.extent(mesh, found);
+        let parts = self.parts(mesh);
+        let several = parts.len() > 1;
+        for (index, part) in parts.iter().enumerate().take(MOST_PARTS) {
+            let rigid = self.rigid_motions(mesh, Some(part));
+            let [x, y, z] = rigid.translational_mass();
+            let name = if several {
+                let nodes = part
+                    .iter()
+                    .map(|row| self.dofs()[*row].node)
+                    .filter(|node| mesh.contains(*node));
+                let (first, last) =
+                    nodes.fold((i64::MAX, i64::MIN), |(a, b), node| (a.min(node), b.max(node)));
+                format!("part {} of {} (nodes {first} to {last}): ", index + 1, parts.len())
+            } else {
+                String::new()
+            };
+            let moves =
+                [1, 2, 3].map(|axis| part.iter().any(|row| self.dofs()[*row].direction == axis));
+            let largest = x.max(y).max(z);
+            let negligible =
+                [x, y, z].iter().zip(moves).any(|(mass, moves)| moves && *mass <= 1e-9 * largest);
+            let text =
+                format!("{name}mass in translation along x, y, z: {x:.6e}, {y:.6e}, {z:.6e} kg");
+            if largest <= 0.0 || negligible {
+                found.push(fault(format!("{text}; expected a positive mass in every direction")));
+            } else {
+                found.push(notice(text));
+            }
+            let axes: Vec<&str> = rigid.free_axes().map(|axis| RigidMotions::NAMES[axis]).collect();
+            let count = rigid.free_count();
+            let axes = match axes.len() {
+                0 => String::new(),
+                listed if listed == count => format!(": {}", axes.join(", ")),
+                _ => format!(", among them {}", axes.join(", ")),
+            };
+            found.push(notice(format!("{name}{count} rigid motions without stiffness{axes}")));
         }
-        let free: Vec<&str> = rigid.free().map(|motion| RigidMotions::NAMES[motion]).collect();
-        let free = if free.is_empty() { "none".to_owned() } else { free.join(", ") };
-        found.push(notice(format!("rigid motions of the whole mesh without stiffness: {free}")));
+        if parts.len() > MOST_PARTS {
+            let count = parts.len();
+            found.push(notice(format!(
+                "{count} parts are not connected; the first {MOST_PARTS} are listed"
+            )));
+        }
+    }
+
+    /// Extent of the nodes that have rows, which tells metres from millimetres.
+    fn extent(&self, mesh: &Nodes, found: &mut Vec<MatrixFinding>) {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for place in self.dofs().iter().filter_map(|dof| mesh.get(dof.node)) {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(place[axis]);
+                high[axis] = high[axis].max(place[axis]);
+            }
+        }
+        let [x, y, z] = [0, 1, 2].map(|axis| high[axis] - low[axis]);
+        found.push(notice(format!("extent along x, y, z: {x:.6}, {y:.6}, {z:.6} m")));
     }
 }
 

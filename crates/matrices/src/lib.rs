@@ -14,6 +14,7 @@
 //! | [CalculiX](MatricesFormat::Calculix) | `.sti`, `.mas`, `.dof` of `*FREQUENCY, SOLVER=MATRIXSTORAGE` |
 //! | [Abaqus](MatricesFormat::Abaqus) | `.mtx` of `*MATRIX OUTPUT`, formats MATRIX INPUT and COORDINATE |
 //! | [Matrix Market](MatricesFormat::MatrixMarket) | `.mtx`, coordinate, symmetric or general |
+//! | [Nastran](MatricesFormat::Nastran) | `DMIG` entries of a punch file or of bulk data |
 //! | [MATLAB](MatricesFormat::Matlab) | `.mat` of versions 5 to 7, sparse or full |
 //! | [NumPy](MatricesFormat::Npz) | `.npz`, among them systems of SDynPy |
 //!
@@ -41,13 +42,16 @@ mod dof;
 mod element_kind;
 mod error;
 mod findings;
+mod labelled;
 mod matlab;
 mod matrices;
 mod matrix_market;
+mod nastran;
 mod nodes;
 mod npz;
 mod number_type;
 mod reduced;
+mod rigid_motions;
 mod sparse;
 mod text;
 mod units;
@@ -58,9 +62,10 @@ pub use dense::DenseMatrix;
 pub use dof::Dof;
 pub use element_kind::ElementKind;
 pub use error::{MatricesError, Place};
-pub use findings::{MatrixFinding, RigidMotions};
+pub use findings::MatrixFinding;
 pub use matrices::{Matrices, MatricesFormat, MatrixFiles, read, read_bytes};
 pub use nodes::Nodes;
 pub use reduced::{ReducedModel, read_reduced};
+pub use rigid_motions::RigidMotions;
 pub use sparse::SparseSymmetric;
 pub use units::MatrixUnits;

@@ -24,7 +24,7 @@ const FULL: std::ops::RangeInclusive<u32> = 6..=15;
 /// Flag of an array with imaginary parts.
 const COMPLEX: u32 = 0x0800;
 
-/// What is wrong with an element, and what is accepted.
+/// The content found in an element, and the content accepted.
 type Fault = (String, &'static str);
 
 pub(crate) fn read(file: &str, bytes: &[u8]) -> Result<Arrays, MatricesError> {

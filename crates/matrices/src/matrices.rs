@@ -8,7 +8,7 @@ use std::str::FromStr;
 use crate::error::{MatricesError, Place};
 use crate::sparse::{Assembled, Entry, EntryFault, MOST_ROWS, SparseSymmetric, Triangles};
 use crate::text::{Content, Fields, Lines};
-use crate::{Dof, abaqus, calculix, matlab, matrix_market, npz};
+use crate::{Dof, abaqus, calculix, matlab, matrix_market, nastran, npz};
 
 /// Stiffness and mass of a structure without contact, and the degree of freedom of each row.
 ///
@@ -19,7 +19,11 @@ pub struct Matrices {
     mass: SparseSymmetric,
     dofs: Vec<Dof>,
     index: HashMap<Dof, usize>,
+    held: Vec<Dof>,
 }
+
+/// Diagonal of the stiffness by which Abaqus marks a held degree of freedom.
+const HELD: f64 = 1e36;
 
 /// Format of files of matrices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -31,6 +35,8 @@ pub enum MatricesFormat {
     Abaqus,
     /// `%%MatrixMarket matrix coordinate real symmetric` or `general`, with a file of rows.
     MatrixMarket,
+    /// `DMIG` entries, in one file for both matrices or one for each.
+    Nastran,
     /// Variables `K`, `M` and `dof` (rows of node and direction) of one file.
     Matlab,
     /// Arrays `K`, `M` and `dof`, or `stiffness`, `mass` and `coordinate`, of one file.
@@ -42,19 +48,19 @@ pub enum MatricesFormat {
 pub struct MatrixFiles {
     /// Their format.
     pub format: MatricesFormat,
-    /// The file of the stiffness; of everything, for MATLAB and NumPy.
+    /// The file of the stiffness; of everything, for MATLAB and NumPy, and for Nastran if it has both.
     pub stiffness: PathBuf,
-    /// The file of the mass; none for MATLAB and NumPy.
+    /// The file of the mass; none if the other has it.
     pub mass: Option<PathBuf>,
     /// The file with the node and the direction of each row. Needed for CalculiX, Matrix Market, and
-    /// Abaqus with `FORMAT=COORDINATE`; without it, rows of Abaqus are in ascending order.
+    /// Abaqus with `FORMAT=COORDINATE`; without it, rows of Abaqus and Nastran are in ascending order.
     pub rows: Option<PathBuf>,
 }
 
 impl MatricesFormat {
     /// All formats.
-    pub const ALL: [Self; 5] =
-        [Self::Calculix, Self::Abaqus, Self::MatrixMarket, Self::Matlab, Self::Npz];
+    pub const ALL: [Self; 6] =
+        [Self::Calculix, Self::Abaqus, Self::MatrixMarket, Self::Nastran, Self::Matlab, Self::Npz];
 
     /// The format of a file of the stiffness, by its first lines: files that end in `.mtx` are of Matrix Market
     /// or of Abaqus. A file of lines `row column value` is taken as of CalculiX; Abaqus with
@@ -76,6 +82,9 @@ impl MatricesFormat {
             return Ok(Self::MatrixMarket);
         }
         let lines = start.split(|byte| *byte == b'\n');
+        if lines.clone().any(|line| line.starts_with(b"DMIG")) {
+            return Ok(Self::Nastran);
+        }
         let first =
             lines.filter(|line| !line.starts_with(b"**")).find(|line| Fields(line).count() > 0);
         match first.map(|line| Fields(line).count()) {
@@ -83,8 +92,7 @@ impl MatricesFormat {
             Some(5) => Ok(Self::Abaqus),
             _ => {
                 let found = first.map_or("an empty file".to_owned(), crate::text::found);
-                let expected =
-                    "the start of a matrix of CalculiX, Abaqus, Matrix Market, MATLAB or NumPy";
+                let expected = "the start of a matrix of CalculiX, Abaqus, Matrix Market, Nastran, MATLAB or NumPy";
                 Err(MatricesError::malformed(&name, Place::Line(1), found, expected))
             }
         }
@@ -96,6 +104,7 @@ impl MatricesFormat {
             Self::Calculix => "calculix",
             Self::Abaqus => "abaqus",
             Self::MatrixMarket => "matrix_market",
+            Self::Nastran => "nastran",
             Self::Matlab => "matlab",
             Self::Npz => "npz",
         }
@@ -145,7 +154,7 @@ impl Matrices {
                 return Err(MatricesError::inconsistent(what, "expected one row each"));
             }
         }
-        Ok(Self { stiffness, mass, dofs, index })
+        Ok(Self { stiffness, mass, dofs, index, held: Vec::new() })
     }
 
     /// Number of rows.
@@ -173,6 +182,56 @@ impl Matrices {
         self.index.get(&dof).copied()
     }
 
+    /// The row of a degree of freedom.
+    ///
+    /// # Errors
+    /// If there is none; the directions in which the node has rows are listed.
+    pub fn require_row(&self, dof: Dof) -> Result<usize, MatricesError> {
+        self.row(dof).ok_or_else(|| {
+            let of_node = self.dofs.iter().filter(|other| other.node == dof.node);
+            let mut directions: Vec<u8> = of_node.map(|other| other.direction).collect();
+            directions.sort_unstable();
+            let directions: Vec<String> = directions.iter().map(ToString::to_string).collect();
+            let remedy = if self.held.contains(&dof) {
+                "it is held by a boundary condition".to_owned()
+            } else if directions.is_empty() {
+                "the node has no rows: it is held, dependent (an equation or a tie), or not in the mesh".to_owned()
+            } else {
+                format!(
+                    "the node has rows in the directions {}; others are held or dependent (an equation or a tie)",
+                    directions.join(", ")
+                )
+            };
+            MatricesError::inconsistent(format!("no row of {dof}"), remedy)
+        })
+    }
+
+    /// Degrees of freedom whose rows the reader has removed, since the file marks them as held: diagonals
+    /// of 1e36 or more, which Abaqus writes for boundary conditions.
+    pub fn held(&self) -> &[Dof] {
+        &self.held
+    }
+
+    /// The matrices without rows that are marked as held.
+    fn without_held(self) -> Result<Self, MatricesError> {
+        let kept: Vec<bool> =
+            self.stiffness.diagonal().iter().map(|diagonal| *diagonal < 0.999 * HELD).collect();
+        if kept.iter().all(|kept| *kept) {
+            return Ok(self);
+        }
+        let (mut dofs, mut held) = (Vec::new(), Vec::new());
+        for (dof, kept) in self.dofs.iter().zip(&kept) {
+            if *kept { dofs.push(*dof) } else { held.push(*dof) }
+        }
+        let [stiffness, mass] =
+            [&self.stiffness, &self.mass].map(|matrix| matrix.restricted(&kept));
+        if dofs.is_empty() {
+            let what = "every row is held, by a diagonal of 1e36";
+            return Err(MatricesError::inconsistent(what, "expected rows that move"));
+        }
+        Ok(Self { held, ..Self::new(stiffness, mass, dofs)? })
+    }
+
     /// Multiplies entries of stiffness and mass by the two numbers of `factors`, which is given the degrees
     /// of freedom of row and column.
     pub(crate) fn scale(&mut self, factors: impl Fn(Dof, Dof) -> [f64; 2]) {
@@ -192,6 +251,22 @@ impl Matrices {
 /// # Errors
 /// [`MatricesError`] names file and line of content that is not of the format, of rows out of range, of
 /// entries that are given twice or are not symmetric, and of files that end early.
+///
+/// ```no_run
+/// use asperity_matrices::{MatricesFormat, MatrixFiles, MatrixUnits, read};
+///
+/// let mut matrices = read(&MatrixFiles {
+///     format: MatricesFormat::Abaqus,
+///     stiffness: "lap_STIF1.mtx".into(),
+///     mass: Some("lap_MASS1.mtx".into()),
+///     rows: None,
+/// })?;
+/// matrices.convert(MatrixUnits::new(1e-3, 1e3, 1.0)?); // mm, t, s
+/// for finding in matrices.findings(None) {
+///     println!("{finding}");
+/// }
+/// # Ok::<(), asperity_matrices::MatricesError>(())
+/// ```
 pub fn read(files: &MatrixFiles) -> Result<Matrices, MatricesError> {
     let open = |path: &Option<PathBuf>| path.as_deref().map(Content::open).transpose();
     let (mass, rows) = (open(&files.mass)?, open(&files.rows)?);
@@ -202,6 +277,19 @@ pub fn read(files: &MatrixFiles) -> Result<Matrices, MatricesError> {
 ///
 /// # Errors
 /// As [`read()`].
+///
+/// Two masses and two springs:
+/// ```
+/// use asperity_matrices::{Dof, MatricesFormat, read_bytes};
+///
+/// let stiffness = b"1 1 2.0\n1 2 -1.0\n2 2 1.0\n";
+/// let mass = b"1 1 0.5\n1 2 0.0\n2 2 0.5\n";
+/// let rows = b"12.3\n14.3\n"; // nodes 12 and 14, both along z
+/// let matrices = read_bytes(MatricesFormat::Calculix, stiffness, Some(mass), Some(rows))?;
+/// assert_eq!(matrices.row(Dof::new(14, 3)), Some(1));
+/// assert_eq!(matrices.stiffness().multiply(&[1.0, 1.0]), [1.0, 0.0]);
+/// # Ok::<(), asperity_matrices::MatricesError>(())
+/// ```
 pub fn read_bytes(
     format: MatricesFormat,
     stiffness: &[u8],
@@ -238,17 +326,21 @@ fn contents(
             }
         };
         let mass = mass.map(arrays).transpose()?;
-        return arrays(stiffness)?.matrices(mass, rows);
+        return arrays(stiffness)?.matrices(mass, rows)?.without_held();
+    }
+    if format == MatricesFormat::Nastran {
+        return nastran::read(stiffness, mass, rows)?.without_held();
     }
     let mass = mass.ok_or_else(|| {
         let what = format!("no file of the mass for the format {format}");
         MatricesError::inconsistent(what, "expected a file each for stiffness and mass")
     })?;
-    match format {
+    let matrices = match format {
         MatricesFormat::MatrixMarket => matrix_market::read([stiffness, mass], needed(rows)?),
         MatricesFormat::Abaqus => abaqus::read([stiffness, mass], rows),
         _ => calculix::read([stiffness, mass], needed(rows)?),
-    }
+    };
+    matrices?.without_held()
 }
 
 /// Stiffness and mass, each read by `read` on a thread of its own.
@@ -366,7 +458,7 @@ mod tests {
         for format in MatricesFormat::ALL {
             assert_eq!(format.name().parse::<MatricesFormat>().unwrap(), format);
         }
-        let error = "nastran".parse::<MatricesFormat>().unwrap_err().to_string();
-        assert!(error.contains("calculix, abaqus, matrix_market, matlab, npz"), "{error}");
+        let error = "ansys".parse::<MatricesFormat>().unwrap_err().to_string();
+        assert!(error.contains("calculix, abaqus, matrix_market, nastran, matlab, npz"), "{error}");
     }
 }

@@ -205,6 +205,27 @@ impl SparseSymmetric {
         product
     }
 
+    /// The rows and columns that are kept, in the same order.
+    pub(crate) fn restricted(&self, kept: &[bool]) -> Self {
+        let mut next = 0;
+        let to: Vec<usize> = kept
+            .iter()
+            .map(|kept| {
+                next += usize::from(*kept);
+                next.wrapping_sub(1)
+            })
+            .collect();
+        let mut matrix = Self { column_starts: vec![0], rows: Vec::new(), values: Vec::new() };
+        for column in (0..self.size()).filter(|column| kept[*column]) {
+            for (row, value) in self.column(column).filter(|(row, _)| kept[*row]) {
+                matrix.rows.push(to[row]);
+                matrix.values.push(value);
+            }
+            matrix.column_starts.push(matrix.rows.len());
+        }
+        matrix
+    }
+
     /// Multiplies every entry by `factor(row, column)`.
     pub(crate) fn scale(&mut self, factor: impl Fn(usize, usize) -> f64) {
         for column in 0..self.size() {
@@ -250,9 +271,11 @@ fn join_partners(
     let mut diagonal = vec![0.0_f64; size];
     let mut largest = 0.0_f64;
     for entry in &*entries {
-        largest = largest.max(entry.value.abs());
         if entry.row == entry.column {
             diagonal[entry.row as usize] = entry.value.abs();
+        } else {
+            // Diagonals may be large without a meaning, where they mark held rows.
+            largest = largest.max(entry.value.abs());
         }
     }
     let (mut kept, mut next) = (0, 0);

@@ -168,7 +168,7 @@ impl Lines {
     /// Returns the last line once more.
     pub(crate) fn step_back(&mut self) {
         self.start = self.line_start;
-        self.line -= 1;
+        self.line = self.line.saturating_sub(1);
     }
 
     pub(crate) fn place(&self) -> Place {

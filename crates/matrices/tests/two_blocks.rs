@@ -4,7 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use asperity_matrices::{
-    Deck, Dof, Matrices, MatricesFormat, MatrixFiles, read, read_cells, read_loads, read_reduced,
+    Deck, Dof, Matrices, MatricesFormat, MatrixFiles, RigidMotions, read, read_cells, read_loads,
+    read_reduced,
 };
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
@@ -157,9 +158,19 @@ fn internal_rows_of_incompatible_modes_have_no_weight() -> Outcome {
     assert!((weight(&c3d8i) / weight(&c3d8) - 1.0).abs() < 1e-12);
     let ones: f64 = c3d8i.mass().multiply(&vec![1.0; 780]).iter().sum();
     assert!(ones > 3.0 * 0.212);
-    // Contact moves the upper block alone along z; the guides hold x and y.
+    // The lower block is held. The upper one may lift and rock: its guides hold x, y and spin.
     for matrices in [&c3d8, &c3d8i] {
         assert!(matrices.findings(nodes).iter().all(|finding| !finding.is_fault));
+        let parts = matrices.parts(deck.nodes());
+        let motions: Vec<_> =
+            parts.iter().map(|part| matrices.rigid_motions(deck.nodes(), Some(part))).collect();
+        let counts: Vec<usize> = motions.iter().map(RigidMotions::free_count).collect();
+        assert_eq!(counts, [0, 3]);
+        let axes: Vec<&str> =
+            motions[1].free_axes().map(|axis| RigidMotions::NAMES[axis]).collect();
+        assert_eq!(axes, ["along z", "about x", "about y"]);
+        let upper = motions[1].translational_mass()[2];
+        assert!((upper / (0.04 * 0.04 * 0.02 * 2710.0) - 1.0).abs() < 1e-6, "{upper}");
     }
     Ok(())
 }

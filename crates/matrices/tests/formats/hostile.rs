@@ -80,6 +80,11 @@ fn texts() {
     try_all(stiffness.as_bytes(), |bytes| {
         read(MatricesFormat::MatrixMarket, bytes, mass.as_bytes())
     });
+    let punch = "DMIG    KAAX           0       6       2\nDMIG*   KAAX                          21               2\n\
+                 *                     21               2 4.000000000D+00\nDMIG,MAAX,0,6,1\nDMIG,MAAX,21,2,,21,2,1.5-3\n";
+    try_all(punch.as_bytes(), |bytes| {
+        read_bytes(MatricesFormat::Nastran, bytes, None, None).is_ok()
+    });
     try_all(ROWS, |rows| {
         read_bytes(MatricesFormat::Calculix, calculix, Some(MASS), Some(rows)).is_ok()
     });

@@ -110,6 +110,47 @@ fn numpy_archives_of_k_and_m_and_of_sdynpy() {
     );
 }
 
+#[test]
+fn matrices_of_scipy_in_files_of_their_own() {
+    let expected = structure();
+    let words = |values: &[usize]| {
+        values.iter().flat_map(|v| (*v as u32).to_le_bytes()).collect::<Vec<_>>()
+    };
+    let archive = |matrix: &SparseSymmetric, coordinates: bool| {
+        let values = full(matrix);
+        let kept: Vec<usize> = (0..16).filter(|index| values[*index] != 0.0).collect();
+        let data: Vec<f64> = kept.iter().map(|index| values[*index]).collect();
+        let rows: Vec<usize> = kept.iter().map(|index| index % 4).collect();
+        let count = format!("({},)", kept.len());
+        let mut arrays = vec![
+            ("data", npy("'<f8'", false, &count, &le(&data))),
+            ("shape", npy("'<i8'", false, "(2,)", &[4_i64, 4].map(i64::to_le_bytes).concat())),
+            ("format", npy("'|S3'", false, "()", b"csc")),
+        ];
+        if coordinates {
+            let columns: Vec<usize> = kept.iter().map(|index| index / 4).collect();
+            arrays.push(("row", npy("'<i4'", false, &count, &words(&rows))));
+            arrays.push(("col", npy("'<i4'", false, &count, &words(&columns))));
+        } else {
+            let starts =
+                (0..=4).map(|column| kept.iter().filter(|index| **index < 4 * column).count());
+            arrays.push(("indices", npy("'<i4'", false, &count, &words(&rows))));
+            arrays
+                .push(("indptr", npy("'<i4'", false, "(5,)", &words(&starts.collect::<Vec<_>>()))));
+        }
+        npz(&arrays)
+    };
+    let rows = rows_text(&expected);
+    for coordinates in [false, true] {
+        let [k, m] =
+            [expected.stiffness(), expected.mass()].map(|matrix| archive(matrix, coordinates));
+        let read = read_bytes(MatricesFormat::Npz, &k, Some(&m), Some(rows.as_bytes())).unwrap();
+        assert_eq!(read, expected);
+        let error = read_bytes(MatricesFormat::Npz, &k, Some(&m), Some(b"1.1\n1.2\n")).unwrap_err();
+        assert_eq!(error.to_string(), "stiffness, array K: 4 x 4; expected 2 x 2");
+    }
+}
+
 fn le(values: &[f64]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
@@ -145,10 +186,29 @@ fn texts_plain_and_gzip_are_the_same() {
 }
 
 #[test]
+fn a_row_that_is_not_there_is_explained() {
+    let matrices = structure();
+    assert_eq!(matrices.require_row(Dof::new(120, 1)).unwrap(), 2);
+    let error =
+        |node, direction| matrices.require_row(Dof::new(node, direction)).unwrap_err().to_string();
+    assert!(
+        error(12, 2).starts_with(
+            "no row of node 12 direction 2; the node has rows in the directions 1, 3;"
+        )
+    );
+    assert!(
+        error(13, 2).starts_with(
+            "no row of node 13 direction 2; the node has no rows: it is held, dependent"
+        )
+    );
+}
+
+#[test]
 fn formats_are_told_by_their_first_lines() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("k.mtx");
-    let cases: [(&[u8], _); 5] = [
+    let cases: [(&[u8], _); 6] = [
+        (b"$ punch\nDMIG    KAAX           0       6       2\n", MatricesFormat::Nastran),
         (b"%%MatrixMarket matrix coordinate real symmetric\n", MatricesFormat::MatrixMarket),
         (b"** comment\n5,1, 5,1,  2.0e+00\n", MatricesFormat::Abaqus),
         (b"1 1 2.0\n", MatricesFormat::Calculix),
@@ -162,6 +222,33 @@ fn formats_are_told_by_their_first_lines() {
     std::fs::write(&path, "<html>").unwrap();
     let error = MatricesFormat::detect(&path).unwrap_err().to_string();
     assert!(error.contains("line 1: `<html>`; expected the start of a matrix"), "{error}");
+}
+
+#[test]
+fn rows_held_by_large_diagonals_are_removed() {
+    let stiffness = "1,1, 1,1, 1.000000000000000e+36\n1,1, 2,1, -3.0e+00\n2,1, 2,1, 5.0e+00\n2,1, 3,1, -2.0e+00\n\
+                     2,1, 1,1, -3.0e+00\n3,1, 2,1, -2.0e+00\n3,1, 3,1, 2.0e+00\n";
+    let mass = "1,1, 1,1, 1.0e+00\n2,1, 2,1, 1.0e+00\n1,1, 2,1, 2.0e-01\n3,1, 3,1, 1.0e+00\n";
+    let read = |stiffness: &str| {
+        read_bytes(MatricesFormat::Abaqus, stiffness.as_bytes(), Some(mass.as_bytes()), None)
+    };
+    let matrices = read(stiffness).unwrap();
+    assert_eq!(matrices.held(), [Dof::new(1, 1)]);
+    assert_eq!(matrices.dofs(), [Dof::new(2, 1), Dof::new(3, 1)]);
+    assert_eq!(
+        matrices.stiffness().triplets().collect::<Vec<_>>(),
+        [(0, 0, 5.0), (1, 0, -2.0), (1, 1, 2.0)]
+    );
+    assert_eq!(matrices.mass().diagonal(), [1.0, 1.0]);
+    assert_eq!(
+        matrices.findings(None)[0].to_string(),
+        "1 rows are held by diagonals of 1e36, and removed"
+    );
+    // The large diagonal does not hide an entry that is not symmetric.
+    let error = read(&stiffness.replace("3,1, 2,1, -2.0e+00", "3,1, 2,1, -2.5e+00"))
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("not symmetric"), "{error}");
 }
 
 #[test]
