@@ -131,7 +131,7 @@ pub(super) fn modes(document: &Document, output: &Output, count: usize) -> Resul
     if output.json {
         return Ok(());
     }
-    super::modes::show(&answer);
+    super::modes::show(&answer)?;
     let free = answer.modes.iter().filter(|mode| mode.frequency_hz == 0.0).count();
     if free > 0 {
         answer_line!("{free} motions are held by no stiffness");
