@@ -5,10 +5,12 @@
 //! | [`structure`] | files of a scenario to a structure at rest, with its ports |
 //! | [`kept_reduction`] | reductions kept on disk under what they depend on |
 //! | [`run`] | transient runs |
+//! | `rows` | rows of a sweep |
 //! | [`modes`] | linearised modes |
 
 pub mod kept_reduction;
 pub mod modes;
+pub(crate) mod rows;
 pub mod run;
 pub mod structure;
 

@@ -21,7 +21,6 @@ pub(crate) fn run(
     quiet: bool,
 ) -> Result<(), Failure> {
     let document = super::read(input)?;
-    super::of_bars(&document)?;
     let variations: Vec<Variation> =
         vary.iter().map(|text| Variation::parse(text)).collect::<Result<_, _>>()?;
     let runs = number_of_runs(&variations)?;
