@@ -123,7 +123,9 @@ pub enum DynamicsError {
         element: String,
     },
     /// A contact is open at rest, which the vector kernel does not take.
-    #[error("contact \"{contact}\" is open at rest; accepted by this engine: contacts that are closed at rest")]
+    #[error(
+        "contact \"{contact}\" is open at rest; accepted by this engine: contacts that are closed at rest"
+    )]
     OpenAtRest {
         /// Name of the contact.
         contact: String,

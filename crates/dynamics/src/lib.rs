@@ -61,8 +61,7 @@ pub use instruction_set::InstructionSet;
 pub use integrator::Integrator;
 pub use modal::{
     Batch, COARSE_RESIDUAL, CaseResponse, ContactMeasures, Decimation, MOST_CONTACTS, ManyContacts,
-    Modal, ModalModel,
-    ParameterVariation, Sensitivity, StepHistory, TransientCase,
+    Modal, ModalModel, ParameterVariation, Sensitivity, StepHistory, TransientCase,
 };
 pub use run_bounds::RunOutline;
 pub use transient::{

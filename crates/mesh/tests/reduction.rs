@@ -9,7 +9,8 @@ struct Random(u64);
 
 impl Random {
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
@@ -73,7 +74,8 @@ fn compare(k: &Mat<f64>, m: &Mat<f64>, places: Vec<Option<[f64; 3]>>, modes: usi
         (0..size).step_by(3).map(|row| (row, m[(row, row)])).collect(),
     ];
     let dense = (k.as_ref(), m.as_ref());
-    let expected = ComponentModes::from_matrices(dense, &ports, vec![PortPair::on_ground(0)], modes);
+    let expected =
+        ComponentModes::from_matrices(dense, &ports, vec![PortPair::on_ground(0)], modes);
     let expected = expected.unwrap();
     let body = SparseBody::new(sparse(k.as_ref()), sparse(m.as_ref()), places).unwrap();
     let found = ReducedBody::new(&body, &ports, modes).unwrap();
@@ -93,8 +95,7 @@ fn compare(k: &Mat<f64>, m: &Mat<f64>, places: Vec<Option<[f64; 3]>>, modes: usi
                 squares.sum::<f64>().sqrt()
             };
             assert!((own - other).abs() < 1e-8 * scale(a) * scale(b), "{a} {b} {own} {other}");
-            let [own, other] =
-                [found.residual.get(a, b), expected.residual().get(a, b)];
+            let [own, other] = [found.residual.get(a, b), expected.residual().get(a, b)];
             let scale = (0..ports.len()).map(|port| expected.residual().get(port, port));
             let scale = scale.fold(0.0, f64::max);
             assert!((own - other).abs() <= 1e-9 * scale, "{a} {b} {own:e} {other:e}");

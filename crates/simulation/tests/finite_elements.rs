@@ -9,8 +9,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use asperity_dynamics::{Batch, Modal, ModalModel, Sampling, TransientCase};
+use asperity_harmonic::{
+    ContactSystem, Continuation, FourierResolution, HarmonicSettings, LawEvaluation, SystemPort,
+    trace,
+};
 use asperity_law::{ContactLaw, Power};
-use asperity_mesh::{Body, ComponentModes, Interface, ModeCount, Port, ResidualFlexibility, Stack, Support};
+use asperity_mesh::{
+    Body, ComponentModes, Interface, ModeCount, Port, ResidualFlexibility, Stack, Support,
+};
 use asperity_scenario::Document;
 use asperity_simulation::patches::{PatchRun, assemble_patches, patch_modes, simulate_patches};
 use asperity_simulation::record::history_columns;
@@ -111,6 +117,38 @@ fn two_blocks_move_as_by_the_reference() {
     }
 }
 
+/// Steady vibration of 16 cells by harmonic balance, near resonance: first and second harmonic.
+#[test]
+fn two_blocks_vibrate_steadily_as_by_the_reference() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fe/two_blocks");
+    if !data.is_dir() {
+        eprintln!("skipped: no data of two_blocks");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for file in fs::read_dir(&data).unwrap().flatten() {
+        fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
+    }
+    let mut document = Document::parse(SCENARIO, folder.path().join("scenario.json")).unwrap();
+    document.set("/bodies/0/reduction/modes", "200").unwrap();
+    let scenario = document.structure_scenario().unwrap();
+    let structure = assemble_patches(&scenario, document.folder()).unwrap().structure;
+    let port = SystemPort::Number;
+    let system = ContactSystem::of_structure(&*structure.structure, LawEvaluation::default());
+    let system =
+        system.unwrap().with_ports(port(structure.load), &[port(structure.sensors[0])]).unwrap();
+    let resolution = FourierResolution::Fixed { harmonics: 6, samples: 128 };
+    let settings = HarmonicSettings { resolution, ..HarmonicSettings::default() };
+    let sweep = Continuation::Frequency { force: 1.0, from: 3450.0, to: 3450.5 };
+    let branch = trace(&system, &sweep, &settings).unwrap();
+    let first = &branch.points[0];
+    assert!((first.frequency_hz() - 3450.0).abs() < 1e-9);
+    for (harmonic, expected) in [(1, 1.360394e-6), (2, 3.1312e-8)] {
+        let own = first.at_sensor(0, harmonic).norm();
+        assert!((own / expected - 1.0).abs() < 1e-4, "{harmonic}: {own:e} {expected:e}");
+    }
+}
+
 /// A block on a sample on the ground, in free modes of both bars.
 fn bars() -> (Stack, ComponentModes) {
     let law: Arc<dyn ContactLaw> = Arc::new(Power::new(1.81e10, 0.35, 0.0).unwrap());
@@ -190,7 +228,8 @@ fn bars_given_as_matrices_are_bars() {
         Damping::Rate(352.0),
     )
     .unwrap();
-    let [own, bar] = [&*assembly.structure.structure, &structure].map(|one| one.port_modes(4).unwrap());
+    let [own, bar] =
+        [&*assembly.structure.structure, &structure].map(|one| one.port_modes(4).unwrap());
     for (own, bar) in own.iter().zip(&bar) {
         assert!((own.frequency_hz / bar.frequency_hz - 1.0).abs() < 1e-9);
         assert!((own.damping_ratio / bar.damping_ratio - 1.0).abs() < 1e-9);
@@ -242,16 +281,36 @@ fn faults_of_structures_are_named() {
      "sensors": [{"name": "first", "at": {"body": "bars", "node": 1, "direction": [1, 0, 0]}, "kind": "displacement"}],
      "duration_s": 0.02}"#;
     let cases = [
-        ("/sensors/0/at/node", "77", "/sensors/0/at: body \"bars\" has no row of node 77 direction 1"),
-        ("/sensors/0/at/direction", "[0, 0, 0]", "/sensors/0/at/direction: the direction has no length"),
+        (
+            "/sensors/0/at/node",
+            "77",
+            "/sensors/0/at: body \"bars\" has no row of node 77 direction 1",
+        ),
+        (
+            "/sensors/0/at/direction",
+            "[0, 0, 0]",
+            "/sensors/0/at/direction: the direction has no length",
+        ),
         ("/sensors/0/at/body", "bar", "UnknownBody"),
-        ("/loads/0", r#"{"body": "bars", "node": 1, "direction": [-1, 0, 0], "force_n": 99}"#, "no static equilibrium"),
+        (
+            "/loads/0",
+            r#"{"body": "bars", "node": 1, "direction": [-1, 0, 0], "force_n": 99}"#,
+            "no static equilibrium",
+        ),
         ("/loads/0/file", "none.csv", "none.csv"),
         ("/interfaces/0/cells", "weight.csv", "weight.csv, line 1"),
         ("/bodies/0/matrices/stiffness", "bars.dof", "bars.dof"),
-        ("/interfaces/0/law", r#"{"kind": "exponential", "length_m": 1e-7}"#, "/interfaces/0/law: the law never separates"),
+        (
+            "/interfaces/0/law",
+            r#"{"kind": "exponential", "length_m": 1e-7}"#,
+            "/interfaces/0/law: the law never separates",
+        ),
         ("/damping", r#"{"kind": "loss_factor", "loss_factor": 0.01}"#, "/damping"),
-        ("/loads/0", r#"{"body": "bars", "set": "TOP", "direction": [1, 0, 0], "force_n": 9}"#, "has no mesh with sets"),
+        (
+            "/loads/0",
+            r#"{"body": "bars", "set": "TOP", "direction": [1, 0, 0], "force_n": 9}"#,
+            "has no mesh with sets",
+        ),
     ];
     for (pointer, value, expected) in cases {
         let mut document = Document::parse(text, folder.path().join("bars.json")).unwrap();

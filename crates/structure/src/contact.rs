@@ -89,7 +89,10 @@ impl PreloadedContact {
             return Err(StructureError::Setting { quantity, value: gap, accepted });
         }
         let Some(lost) = law.domain().closure_lost else {
-            return Err(StructureError::NoEquilibrium { interface: name.to_owned(), pressure_pa: 0.0 });
+            return Err(StructureError::NoEquilibrium {
+                interface: name.to_owned(),
+                pressure_pa: 0.0,
+            });
         };
         let touching = Self::new(name, area, law, 0.0)?;
         Ok(Self { stiffness: 0.0, closure: lost - gap, gap, ..touching })

@@ -89,7 +89,8 @@ pub enum StructureError {
     },
     /// Loads act along a motion that neither stiffness nor contacts hold.
     #[error(
-        "no static equilibrium: {:.2e} of the loads act along a motion that neither stiffness nor a contact holds; accepted: loads that balance each other along such motions, or a structure that is held there", share
+        "no static equilibrium: {:.2e} of the loads act along a motion that neither stiffness nor a contact holds; accepted: loads that balance each other along such motions, or a structure that is held there",
+        share
     )]
     NotHeld {
         /// Part of the loads along the motion.

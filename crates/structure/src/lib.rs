@@ -34,10 +34,10 @@ pub mod equilibrium;
 pub mod error;
 pub mod excitation;
 pub mod guide;
+pub mod linearised;
 pub mod load_case;
 pub mod modal_damping;
 pub mod modes;
-pub mod linearised;
 pub mod patch_equilibrium;
 pub mod place;
 pub mod preloaded;
@@ -53,10 +53,10 @@ pub use excitation::{
     AccelerationSpec, DisplacementSpec, ExcitationSpec, SamplesFile, VelocitySpec,
 };
 pub use guide::Guide;
+pub use linearised::PortMode;
 pub use load_case::{BaseQuantity, LoadCase};
 pub use modal_damping::DampedMode;
 pub use modes::LinearisedMode;
-pub use linearised::PortMode;
 pub use patch_equilibrium::{UnloadedContact, contacts_at_rest};
 pub use place::{Along, End, PlaceSpec, SensorKind, SensorSpec};
 pub use preloaded::PreloadedStructure;

@@ -131,9 +131,11 @@ impl PreloadedStructure<ComponentModes> {
                 let force: f64 = along.map(|(&pair, force)| mode.closure(pair) * force).sum();
                 mode.damping_rate * (force / mode.angular_frequency.powi(2)).powi(2)
             });
-            let dampers = closed.iter().zip(springs).zip(&of_contacts).map(|((&i, k), force)| {
-                self.contacts()[i].damper() * (force / k).powi(2)
-            });
+            let dampers = closed
+                .iter()
+                .zip(springs)
+                .zip(&of_contacts)
+                .map(|((&i, k), force)| self.contacts()[i].damper() * (force / k).powi(2));
             let loss = bodies + left_out.sum::<f64>() + dampers.sum::<f64>();
             PortMode {
                 frequency_hz: w / TAU,

@@ -122,13 +122,15 @@ impl<'a> EnergyProblem<'a> {
         let mut stiffness = Vec::new();
         let mut columns: Vec<Vec<f64>> = Vec::new();
         let mut loads = Vec::new();
-        let rigid_closures = Mat::from_fn(pairs.len(), rigid.len(), |i, r| rigid[r].closure(pairs[i]));
+        let rigid_closures =
+            Mat::from_fn(pairs.len(), rigid.len(), |i, r| rigid[r].closure(pairs[i]));
         if !rigid.is_empty() {
             let rigid_loads: Vec<f64> = rigid.iter().map(|mode| along(&mode.ports)).collect();
             let size: f64 = rigid
                 .iter()
                 .map(|mode| {
-                    let parts = forces.iter().map(|&(port, force)| (mode.ports[port] * force).abs());
+                    let parts =
+                        forces.iter().map(|&(port, force)| (mode.ports[port] * force).abs());
                     parts.sum::<f64>().powi(2)
                 })
                 .sum::<f64>()
@@ -191,8 +193,7 @@ impl<'a> EnergyProblem<'a> {
             let step = self.newton_step(&springs, &gradient)?;
             let decrement: f64 = step.iter().zip(&gradient).map(|(a, b)| -a * b).sum();
             let work: f64 = self.loads.iter().zip(&place).map(|(f, q)| (f * q).abs()).sum();
-            let own: f64 =
-                self.stiffness.iter().zip(&place).map(|(k, q)| k * q * q).sum::<f64>();
+            let own: f64 = self.stiffness.iter().zip(&place).map(|(k, q)| k * q * q).sum::<f64>();
             if decrement <= REACHED * (work + own) {
                 return Ok(closures);
             }
@@ -282,7 +283,9 @@ impl<'a> EnergyProblem<'a> {
         });
         let product = self.closures.transpose() * forces;
         let coordinates = self.stiffness.iter().zip(place).zip(&self.loads).enumerate();
-        coordinates.map(|(k, ((stiffness, q), load))| stiffness * q - load + product[(k, 0)]).collect()
+        coordinates
+            .map(|(k, ((stiffness, q), load))| stiffness * q - load + product[(k, 0)])
+            .collect()
     }
 
     fn springs(&self, closures: &[f64]) -> Vec<f64> {
@@ -310,8 +313,11 @@ fn flexible_coordinates(
     forces: &[(usize, f64)],
 ) -> Result<Vec<(Vec<f64>, f64)>, StructureError> {
     let pairs = modes.contacts();
-    let places: Vec<PortPair> =
-        pairs.iter().copied().chain(forces.iter().map(|&(port, _)| PortPair::on_ground(port))).collect();
+    let places: Vec<PortPair> = pairs
+        .iter()
+        .copied()
+        .chain(forces.iter().map(|&(port, _)| PortPair::on_ground(port)))
+        .collect();
     let count = places.len();
     let residual = |i: usize, j: usize| modes.residual().closure(places[i], places[j]);
     // The eigenvalue algorithm loses digits of numbers far below 1.

@@ -81,7 +81,9 @@ impl TryFrom<PlaceKeys> for PlaceSpec {
             (Some(position), None, None, None) => Along::PositionM(position),
             (None, Some(end), None, None) => Along::End(end),
             (None, None, Some(node), Some(direction)) => Along::Node { node, direction },
-            _ => return Err("a place needs exactly one of position_m, end, and node with direction"),
+            _ => {
+                return Err("a place needs exactly one of position_m, end, and node with direction");
+            }
         };
         Ok(Self { body: keys.body, along })
     }

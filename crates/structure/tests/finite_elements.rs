@@ -8,9 +8,7 @@ use std::sync::Arc;
 use asperity_law::{Constant, ContactLaw, Power};
 use asperity_matrices::{Dof, Matrices, MatricesFormat, MatrixFiles, SparseSymmetric};
 use asperity_mesh::{ComponentModes, PortPair, PortPattern, ReducedBody, SparseBody};
-use asperity_structure::{
-    Damping, PreloadedStructure, UnloadedContact, contacts_at_rest,
-};
+use asperity_structure::{Damping, PreloadedStructure, UnloadedContact, contacts_at_rest};
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 
 fn data(problem: &str) -> Option<PathBuf> {
@@ -41,11 +39,7 @@ fn calculix(folder: &Path, name: &str) -> Matrices {
 }
 
 /// The blocks at rest under their loads and weight, with ports of cells, loads and hammer.
-fn two_blocks(
-    folder: &Path,
-    name: &str,
-    modes: usize,
-) -> PreloadedStructure<ComponentModes> {
+fn two_blocks(folder: &Path, name: &str, modes: usize) -> PreloadedStructure<ComponentModes> {
     let matrices = calculix(folder, name);
     let row = |dof: Dof| matrices.row(dof).unwrap();
     let cells = asperity_matrices::read_cells(&folder.join("cells.csv")).unwrap();
@@ -101,8 +95,7 @@ fn two_blocks_rest_and_vibrate_as_by_the_reference() {
             assert_close(contact.pressure(), 1e3 * kilopascal, 1e-5);
         }
         let found = structure.port_modes(6).unwrap();
-        let frequencies =
-            [3429.41661, 3642.38494, 4383.65610, 12060.5388, 17288.4109, 21862.5587];
+        let frequencies = [3429.41661, 3642.38494, 4383.65610, 12060.5388, 17288.4109, 21862.5587];
         let ratios = [0.001_410_9, 0.001_336_3, 0.001_120_7, 0.015_550_8, 0.021_999_1, 0.027_690_1];
         for (mode, (frequency, ratio)) in found.iter().zip(frequencies.into_iter().zip(ratios)) {
             assert_close(mode.frequency_hz, frequency, tolerance);
@@ -117,8 +110,7 @@ fn internal_rows_are_no_displacements() {
     let Some(folder) = data("two_blocks") else { return };
     let structure = two_blocks(&folder, "two_blocks_c3d8i", 60);
     let found = structure.port_modes(6).unwrap();
-    let frequencies =
-        [3427.44038, 3640.00206, 4379.20902, 11247.6467, 16039.6482, 20241.4462];
+    let frequencies = [3427.44038, 3640.00206, 4379.20902, 11247.6467, 16039.6482, 20241.4462];
     for (mode, frequency) in found.iter().zip(frequencies) {
         assert_close(mode.frequency_hz, frequency, 1e-6);
     }
@@ -159,16 +151,19 @@ fn the_reduced_beam_rests_and_vibrates_as_by_the_reference() {
         let structure =
             PreloadedStructure::of_components(modes.clone(), at_rest, Damping::Rate(0.0)).unwrap();
         let found = structure.port_modes(16).unwrap();
-        let elastic: Vec<f64> =
-            found.iter().map(|mode| mode.frequency_hz).filter(|frequency| *frequency > 1.0).collect();
+        let elastic: Vec<f64> = found
+            .iter()
+            .map(|mode| mode.frequency_hz)
+            .filter(|frequency| *frequency > 1.0)
+            .collect();
         assert_eq!(found.len() - elastic.len(), 6);
         (open, elastic)
     };
     let (open, linear) = frequencies(Arc::new(Constant::new(1_042_475_690_030.833_6).unwrap()));
     assert_eq!(open, 0);
     let expected = [
-        147.0118, 156.5419, 584.4114, 648.8191, 921.0021, 963.3504, 1139.0655, 1510.2373, 1725.0635,
-        1931.8840,
+        147.0118, 156.5419, 584.4114, 648.8191, 921.0021, 963.3504, 1139.0655, 1510.2373,
+        1725.0635, 1931.8840,
     ];
     for (own, expected) in linear.iter().zip(expected) {
         assert_close(*own, expected, 2e-5);
@@ -176,8 +171,8 @@ fn the_reduced_beam_rests_and_vibrates_as_by_the_reference() {
     let (open, power) = frequencies(Arc::new(Power::new(2.5e9, 0.5, 0.0).unwrap()));
     assert_eq!(open, 0);
     let expected = [
-        148.4033, 156.5448, 588.0532, 649.0043, 921.4469, 963.7154, 1140.1344, 1539.9567, 1734.8473,
-        1933.4864,
+        148.4033, 156.5448, 588.0532, 649.0043, 921.4469, 963.7154, 1140.1344, 1539.9567,
+        1734.8473, 1933.4864,
     ];
     for (own, expected) in power.iter().zip(expected) {
         assert_close(*own, expected, 2e-5);

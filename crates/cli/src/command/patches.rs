@@ -37,8 +37,7 @@ pub(super) fn simulate(
 ) -> Result<(), Failure> {
     let scenario = checked(document)?;
     let folder = ResultFolder::claim("simulate", document.path(), output)?;
-    let found =
-        with_percents(quiet, |progress| simulate_patches(document, &scenario, progress))?;
+    let found = with_percents(quiet, |progress| simulate_patches(document, &scenario, progress))?;
     write_run(&folder, &found.run, record, magnitude)?;
     folder.write("cells.csv", cells_csv(&found.run.assembly.structure, &found.cells))?;
     let summary = &found.run.summary;

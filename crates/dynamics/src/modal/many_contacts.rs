@@ -436,11 +436,20 @@ impl<'a> Run<'a> {
     }
 
     /// Solves the contact equations for closures `free` without contact forces.
-    fn solve(&mut self, free: &[f64], flexibility: &Mat<f64>, time: f64) -> Result<(), DynamicsError> {
+    fn solve(
+        &mut self,
+        free: &[f64],
+        flexibility: &Mat<f64>,
+        time: f64,
+    ) -> Result<(), DynamicsError> {
         let n = free.len();
         let (forces, contacts) = (&self.system.forces, self.system.structure.contacts());
-        let mut x: Vec<f64> =
-            self.closures.iter().zip(&self.before).map(|(now, before)| 2.0 * now - before).collect();
+        let mut x: Vec<f64> = self
+            .closures
+            .iter()
+            .zip(&self.before)
+            .map(|(now, before)| 2.0 * now - before)
+            .collect();
         let mut merit = f64::INFINITY;
         let mut last: Option<(Vec<f64>, Vec<f64>)> = None;
         for _ in 0..MOST_ITERATIONS {
@@ -566,8 +575,7 @@ impl<'a> Run<'a> {
     fn sensor(&self, number: usize) -> [f64; 3] {
         let yielded: f64 =
             self.residual.sensors[number].iter().zip(&self.forces).map(|(r, f)| r * f).sum();
-        let mut motion =
-            [self.residual.sensors_load[number] * self.load_value - yielded, 0.0, 0.0];
+        let mut motion = [self.residual.sensors_load[number] * self.load_value - yielded, 0.0, 0.0];
         for (m, mode) in self.modes.iter().enumerate() {
             let (shape, w) = (mode.sensors[number], mode.dynamics.angular_frequency);
             motion[0] += shape * self.displacement[m];
@@ -620,7 +628,9 @@ fn column(values: &[f64]) -> faer::MatRef<'_, f64> {
 }
 
 /// The number of each distinct law among some, and the laws.
-fn distinct(laws: impl Iterator<Item = Arc<dyn ContactLaw>>) -> (Vec<usize>, Vec<Arc<dyn ContactLaw>>) {
+fn distinct(
+    laws: impl Iterator<Item = Arc<dyn ContactLaw>>,
+) -> (Vec<usize>, Vec<Arc<dyn ContactLaw>>) {
     let mut numbers: HashMap<*const (), usize> = HashMap::new();
     let mut kept: Vec<Arc<dyn ContactLaw>> = Vec::new();
     let numbered = laws.map(|law| {

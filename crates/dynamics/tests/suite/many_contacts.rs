@@ -6,7 +6,9 @@ use std::sync::Arc;
 use crate::support::half_spaces::relative_norm;
 use crate::support::{DISC, every_law, pulse, rig, slope, three_bodies};
 use crate::variable_steps::{DURATION, PULL, block, exact};
-use asperity_dynamics::{Batch, DynamicsError, ManyContacts, Modal, ModalModel, Sampling, TransientCase};
+use asperity_dynamics::{
+    Batch, DynamicsError, ManyContacts, Modal, ModalModel, Sampling, TransientCase,
+};
 use asperity_law::{ContactLaw, Power};
 use asperity_mesh::{ComponentModes, NormalMode, Port, PortPair, ResidualFlexibility, Stack};
 use asperity_structure::{
@@ -52,7 +54,12 @@ fn bars_move_as_by_the_vector_kernel() {
                 for (own, other) in found.contacts.iter().zip(&expected.contacts) {
                     let scale = other.pressure_max;
                     assert!((own.pressure_max - other.pressure_max).abs() < 3e-3 * scale, "{name}");
-                    assert!((own.lost - other.lost).abs() < 2e-5, "{name} {} {}", own.lost, other.lost);
+                    assert!(
+                        (own.lost - other.lost).abs() < 2e-5,
+                        "{name} {} {}",
+                        own.lost,
+                        other.lost
+                    );
                 }
                 assert!(found.energy.residual_relative() < 2e-3, "{name} {:?}", found.energy);
             }
@@ -97,7 +104,8 @@ fn patch(count: usize) -> ManyContacts {
     };
     let pairs = (0..count).map(PortPair::on_ground).collect();
     let residual = ResidualFlexibility::zero(count + 1);
-    let modes = ComponentModes::new(vec![mode(false), mode(true)], residual, pairs, vec![]).unwrap();
+    let modes =
+        ComponentModes::new(vec![mode(false), mode(true)], residual, pairs, vec![]).unwrap();
     let law: Arc<dyn ContactLaw> = Arc::new(Power::new(1e8, 0.5, 0.0).unwrap());
     let contact = |i: usize| UnloadedContact {
         name: format!("{i}"),

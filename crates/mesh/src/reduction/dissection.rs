@@ -103,8 +103,7 @@ impl Dissection<'_> {
             high - low
         };
         let extents = [0, 1, 2].map(extent);
-        let longest =
-            (0..3).max_by(|&a, &b| extents[a].total_cmp(&extents[b])).unwrap_or_default();
+        let longest = (0..3).max_by(|&a, &b| extents[a].total_cmp(&extents[b])).unwrap_or_default();
         if extents[longest] == 0.0 {
             self.order.extend(part);
             return;

@@ -52,7 +52,8 @@ impl Factor {
             .map_err(|_| fault("too large for the memory"))?;
         values.resize(symbolic.len_val(), 0.0);
         let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        let mut buffer = MemBuffer::try_new(scratch).map_err(|_| fault("too large for the memory"))?;
+        let mut buffer =
+            MemBuffer::try_new(scratch).map_err(|_| fault("too large for the memory"))?;
         let factorised = symbolic.factorize_numeric_llt(
             &mut values,
             matrix.as_ref(),

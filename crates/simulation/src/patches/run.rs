@@ -94,8 +94,8 @@ pub fn simulate_patches(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<PatchRun, SimulationError> {
     let started = Instant::now();
-    let assembly = info_span!("assemble")
-        .in_scope(|| assemble_patches(scenario, document.folder()))?;
+    let assembly =
+        info_span!("assemble").in_scope(|| assemble_patches(scenario, document.folder()))?;
     progress(0.3);
     let at_rest = assembly.structure.at_rest();
     let system = system(&assembly, Arc::clone(&assembly.structure.structure))?;

@@ -11,8 +11,8 @@ use asperity_matrices::{
 };
 use asperity_mesh::{ComponentModes, Port, PortPair, PortPattern, ReducedBody, SparseBody};
 use asperity_scenario::{
-    Along, DampingSpec, ExcitationSpec, LoadSamples, MatricesFormatSpec, MatrixBodySpec, PatchSpec, PlaceSpec,
-    StaticLoadSpec, StructureScenario,
+    Along, DampingSpec, ExcitationSpec, LoadSamples, MatricesFormatSpec, MatrixBodySpec, PatchSpec,
+    PlaceSpec, StaticLoadSpec, StructureScenario,
 };
 use asperity_structure::{
     LoadCase, PreloadedContact, PreloadedStructure, SampledFunction, StructureError,
@@ -184,7 +184,10 @@ fn reduced_bodies(
 }
 
 /// A patch as one contact of its whole area at its mean pressure.
-fn whole(patch: &Patch, contacts: &[PreloadedContact]) -> Result<PreloadedContact, SimulationError> {
+fn whole(
+    patch: &Patch,
+    contacts: &[PreloadedContact],
+) -> Result<PreloadedContact, SimulationError> {
     let cells = &contacts[patch.cells.clone()];
     let area: f64 = cells.iter().map(PreloadedContact::area).sum();
     let force: f64 = cells.iter().map(|cell| cell.area() * cell.pressure()).sum();
@@ -266,7 +269,8 @@ impl Body {
     fn row(&self, dof: Dof, place: &str) -> Result<usize, SimulationError> {
         self.matrices.row(dof).ok_or_else(|| {
             let problem = format!("body \"{}\" has no row of {dof}", self.name);
-            let accepted = "degrees of freedom that are in the matrices: neither held nor dependent";
+            let accepted =
+                "degrees of freedom that are in the matrices: neither held nor dependent";
             model(place, problem, accepted)
         })
     }
@@ -284,9 +288,8 @@ impl Body {
             return Err(model(&at, "the direction has no length", "three numbers, not all zero"));
         }
         let parts = direction.iter().zip(1_u8..).filter(|(part, _)| **part != 0.0);
-        let row = |(part, axis): (&f64, u8)| {
-            Ok((self.row(Dof::new(node, axis), place)?, part / length))
-        };
+        let row =
+            |(part, axis): (&f64, u8)| Ok((self.row(Dof::new(node, axis), place)?, part / length));
         parts.map(row).collect()
     }
 
@@ -438,9 +441,9 @@ impl<'a> Ports<'a> {
             } => {
                 let read = |read: &Body| {
                     let forces = asperity_matrices::read_loads(&folder.join(file))?;
-                    let own = forces.iter().filter(|one| {
-                        one.body.as_ref().is_none_or(|name| *name == load.body)
-                    });
+                    let own = forces
+                        .iter()
+                        .filter(|one| one.body.as_ref().is_none_or(|name| *name == load.body));
                     let rows = own.map(|one| Ok((read.row(one.dof, &place)?, one.force_n)));
                     rows.collect::<Result<PortPattern, SimulationError>>()
                 };
@@ -498,7 +501,8 @@ impl<'a> Ports<'a> {
             source,
         })?;
         if !(law.domain().separates() || law.domain().is_bilateral()) {
-            let problem = "the law never separates, so the faces have no first contact to count from";
+            let problem =
+                "the law never separates, so the faces have no first contact to count from";
             let accepted = "a law with a closure at zero pressure, or a constant stiffness";
             return Err(model(&format!("{place}/law"), problem, accepted));
         }
@@ -550,9 +554,7 @@ impl<'a> Ports<'a> {
         }
         let mut patterns = patterns.into_iter();
         match (patterns.next(), patterns.next(), patterns.next()) {
-            (Some((body, pattern)), None, None) => {
-                Ok(PortPair::on_ground(self.add(body, pattern)))
-            }
+            (Some((body, pattern)), None, None) => Ok(PortPair::on_ground(self.add(body, pattern))),
             (Some((above, upper)), Some((below, lower)), None) => {
                 let upper = self.add(above, upper);
                 let negative = lower.into_iter().map(|(row, weight)| (row, -weight)).collect();
