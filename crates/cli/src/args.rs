@@ -171,6 +171,9 @@ pub(crate) enum Command {
         /// Print the schema of a study file instead.
         #[arg(long, conflicts_with_all = ["identify", "rig"])]
         study: bool,
+        /// Print the schema of a scenario whose bodies are given by matrices instead.
+        #[arg(long, conflicts_with_all = ["identify", "rig", "study"])]
+        matrices: bool,
     },
     /// Identify the contact law, or any numbers of a scenario, from measured responses, with their
     /// uncertainty.

@@ -78,7 +78,9 @@ fn run(args: &Args) -> Result<(), Failure> {
         }
         Command::Modes { input, output, count } => command::modes::run(input, output, *count),
         Command::Check { input, json } => command::check::run(input, *json),
-        Command::Schema { identify, rig, study } => command::schema::run(*identify, *rig, *study),
+        Command::Schema { identify, rig, study, matrices } => {
+            command::schema::run(*identify, *rig, *study, *matrices)
+        }
         Command::Study(asked) => command::study::run(asked, args.quiet),
         Command::Identify { problem, fast, output, threads } => {
             command::identify::run(problem, *fast, output, *threads, args.quiet)

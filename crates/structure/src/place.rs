@@ -82,7 +82,9 @@ impl TryFrom<PlaceKeys> for PlaceSpec {
             (None, Some(end), None, None) => Along::End(end),
             (None, None, Some(node), Some(direction)) => Along::Node { node, direction },
             _ => {
-                return Err("a place needs exactly one of position_m, end, and node with direction");
+                return Err(
+                    "a place needs exactly one of position_m, end, and node with direction",
+                );
             }
         };
         Ok(Self { body: keys.body, along })

@@ -1,19 +1,20 @@
 //! `asperity schema`.
 
 use asperity_identify::problem::problem_schema;
-use asperity_scenario::scenario_schema;
+use asperity_scenario::{scenario_schema, structure_schema};
 use asperity_study::study_schema;
 
 use crate::failure::Failure;
 use crate::rig::rig_schema;
 
-/// Prints the JSON Schema of the scenario, of a problem, of a study file, or of the settings of a rig.
+/// Prints the JSON Schema of the scenario, of a problem, of a study file, of the settings of a rig, or of a structure of matrices.
 #[allow(clippy::unnecessary_wraps, reason = "every subcommand has the same signature")]
-pub(crate) fn run(identify: bool, rig: bool, study: bool) -> Result<(), Failure> {
-    let schema = match (identify, rig, study) {
+pub(crate) fn run(identify: bool, rig: bool, study: bool, matrices: bool) -> Result<(), Failure> {
+    let schema = match (identify, rig, study, matrices) {
         (true, ..) => problem_schema(),
-        (_, true, _) => rig_schema(),
-        (.., true) => study_schema(),
+        (_, true, ..) => rig_schema(),
+        (_, _, true, _) => study_schema(),
+        (.., true) => structure_schema(),
         _ => scenario_schema(),
     };
     answer!("{}", super::pretty(schema));
