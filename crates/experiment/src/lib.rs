@@ -91,6 +91,7 @@ mod input_files;
 mod input_size;
 mod inspection;
 mod line_up;
+mod measured_frf;
 mod modes;
 mod near_name;
 mod next_level;
@@ -124,6 +125,7 @@ pub use hit_report::{HitFundamental, HitReport, HitSecondHarmonic, HitStatistics
 pub use input_files::input_files;
 pub use input_size::{MAX_ANALYSED_BYTES, MAX_CONVERTED_BYTES};
 pub use inspection::{Choice, INSPECTION_SCHEMA, InspectedChannel, Inspection, inspect};
+pub use measured_frf::{FrfOptions, MeasuredFrf, read_frf};
 pub use modes::{Mode, ModeAtResponse};
 pub use next_level::{LevelCoverage, NextLevel};
 pub use options::{

@@ -28,6 +28,7 @@
 
 mod analysis;
 mod answers;
+mod axes;
 mod decay;
 mod identification;
 mod magnitude;
@@ -48,6 +49,22 @@ pub use response::{frf, history};
 pub use steady::{steady, steady_report};
 pub use structure::{laws, modes};
 pub use sweep::sweep;
+
+/// The text, cut to `most` characters.
+fn fitted(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    let kept: String = text.chars().take(most.saturating_sub(1)).collect();
+    format!("{}…", kept.trim_end())
+}
+
+/// The text with a capital first.
+fn capital(text: &str) -> String {
+    let mut characters = text.chars();
+    let first = characters.next().map(|first| first.to_uppercase().collect::<String>());
+    first.unwrap_or_default() + characters.as_str()
+}
 
 /// A figure of the panels that have a series; none without any.
 fn figure(

@@ -6,8 +6,8 @@ use asperity_identify::{CandidateMeasurement, DesignRanking, MeasurementKind};
 
 use asperity_scenario::four_digits;
 
-use super::fitted;
 use super::observations::groups;
+use crate::fitted;
 
 /// Most changes of the rig that are drawn.
 const MOST_CHANGES: usize = 7;
@@ -31,10 +31,9 @@ pub(super) fn design(design: &DesignRanking) -> Figure {
         let x: Vec<f64> = hits.iter().map(|hit| hit.force_peak_n).collect();
         let line = |name: String, value: fn(&CandidateMeasurement) -> f64| {
             let y: Vec<f64> = hits.iter().map(|hit| value(hit.expected)).collect();
-            y.iter().any(|y| y.is_finite()).then(|| {
-                let series = Series::line_points(name, &x, y).color(Color::category(index));
-                series.marker(Marker::Circle)
-            })
+            y.iter()
+                .any(|y| y.is_finite())
+                .then(|| Series::line_points(name, &x, y).category(index))
         };
         left = left.all_series(line(fitted(&changes(set), 44), |one| one.remaining));
         gained = gained.all_series(line(String::new(), |one| one.information));
@@ -66,7 +65,7 @@ pub(super) fn design(design: &DesignRanking) -> Figure {
 /// Panels of the uncertainty left and of the information over a quantity.
 fn panels(label: &str, unit: &str, scale: f64) -> [Panel; 2] {
     let over = || Axis::linear(label, unit).scale(scale);
-    let left = Axis::linear("Uncertainty of ln K left", "").range(0.0, 1.05);
+    let left = Axis::linear("Uncertainty of ln K left, of that now", "").range(0.0, 1.05);
     let gained = Axis::linear("Information", "nat").low(0.0);
     [
         Panel::new(over(), left).legend(Legend::Above),
