@@ -23,6 +23,9 @@ use crate::input_size::{MAX_CONVERTED_BYTES, check_size};
 use crate::near_name::nearest;
 use crate::stream::measure_error;
 
+/// Role of a channel with a frequency response function, in errors.
+pub const FUNCTION_ROLE: &str = "frequency response function";
+
 /// Most names of functions in an error.
 const MOST_NAMED: usize = 20;
 
@@ -154,8 +157,6 @@ fn names(functions: &[(&Record, &Channel)]) -> String {
     if names.is_empty() { "no complex samples over frequency".to_owned() } else { names.join(", ") }
 }
 
-const ROLE: &str = "frequency response function";
-
 fn no_function(
     file: &Path,
     functions: &[(&Record, &Channel)],
@@ -165,7 +166,7 @@ fn no_function(
     let near = nearest(&wanted, functions.iter().map(|(_, channel)| channel.name.as_str()));
     let near = near.map(str::to_owned);
     let (file, channels) = (file.to_owned(), names(functions));
-    AnalysisError::NoChannel { file, role: ROLE, wanted, near, channels }
+    AnalysisError::NoChannel { file, role: FUNCTION_ROLE, wanted, near, channels }
 }
 
 /// The function that is chosen, or the only one.
@@ -188,7 +189,7 @@ fn chosen<'a>(
         [] => Err(no_function(file, functions, wanted)),
         _ => Err(AnalysisError::Ambiguous {
             file: file.to_owned(),
-            role: ROLE,
+            role: FUNCTION_ROLE,
             wanted: wanted.map(ToString::to_string).unwrap_or_default(),
             channels: names(functions),
         }),
@@ -273,4 +274,79 @@ fn is_coherence(channel: &Channel) -> bool {
     let within = |value: &f64| (-1e-6..=1.0 + 1e-6).contains(value) || value.is_nan();
     (channel.origin.is_coherence || is_named)
         && channel.samples.real().is_some_and(|values| values.iter().all(within))
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity_measure::{ChannelUnit, DegreeOfFreedom, Format, Origin, WriteOptions, write};
+
+    use super::*;
+
+    /// An accelerance in g/N with its coherence, response along -z and force along +z, and another function.
+    fn file(folder: &Path) -> std::path::PathBuf {
+        let freedom =
+            |direction| Some(DegreeOfFreedom { entity: String::new(), node: 1, direction });
+        let abscissa =
+            Abscissa::Even { start: 0.0, step: 50.0, quantity: ChannelQuantity::Frequency };
+        let channel = |name: &str, samples, frf: Option<&str>, response| Channel {
+            name: name.to_owned(),
+            quantity: ChannelQuantity::Unknown,
+            unit: frf.map_or(ChannelUnit::Missing, ChannelUnit::of_text),
+            abscissa: abscissa.clone(),
+            samples,
+            origin: Origin {
+                response: freedom(response),
+                reference: freedom(3),
+                frf: frf.and_then(FrfUnits::parse),
+                is_coherence: frf.is_none(),
+                ..Origin::default()
+            },
+        };
+        // A receptance of 1e-7 m/N, along +z.
+        let value = |k: i32| {
+            let omega = std::f64::consts::TAU * 50.0 * f64::from(k);
+            Complex64::new(1e-7 * omega * omega / 9.806_65, 0.0)
+        };
+        let channels = vec![
+            channel("point", Samples::Complex((0..5).map(value).collect()), Some("g/N"), -3),
+            channel("Kohärenz", Samples::Real(vec![1.0, 0.5, 0.8, 1.0, 0.9]), None, -3),
+            channel("transfer", Samples::Complex(vec![Complex64::ONE; 5]), Some("m/s/N"), 1),
+        ];
+        let path = folder.join("frf.unv");
+        let record = Record { channels, ..Record::default() };
+        write(&path, &[record], Format::UniversalText, &WriteOptions::default()).unwrap();
+        path
+    }
+
+    #[test]
+    fn a_function_is_a_receptance_with_deviations_from_its_coherence() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = file(folder.path());
+        let options = |function: &str, averages| FrfOptions {
+            function: Some(function.into()),
+            averages,
+            ..FrfOptions::default()
+        };
+        let found = read_frf(&path, &options("point", Some(4))).unwrap();
+        assert_eq!(found.receptance.frequency_hz, [50.0, 100.0, 150.0, 200.0]);
+        for value in &found.receptance.values {
+            assert!((value - 1e-7).norm() < 1e-15, "{value}");
+        }
+        let deviation = found.deviation.unwrap();
+        for (deviation, c) in deviation.iter().zip([0.5_f64, 0.8, 1.0 - 1e-7, 0.9]) {
+            let expected = 1e-7 * ((1.0 - c) / (8.0 * c)).sqrt();
+            assert!((deviation / expected - 1.0).abs() < 1e-6, "{deviation} {expected}");
+        }
+        assert_eq!(read_frf(&path, &options("point", None)).unwrap().deviation, None);
+        assert!(read_frf(&path, &options("#2", Some(0))).is_err());
+        assert_eq!(read_frf(&path, &options("#2", None)).unwrap().name, "transfer");
+
+        let error = read_frf(&path, &FrfOptions::default()).unwrap_err().to_string();
+        assert!(error.contains("#1 `point`") && error.contains("#2 `transfer`"), "{error}");
+        let error = read_frf(&path, &options("pont", None)).unwrap_err().to_string();
+        assert!(error.contains("did you mean") && error.contains("point"), "{error}");
+        let wrong = FrfOptions { unit: Some("N".to_owned()), ..options("point", None) };
+        let error = read_frf(&path, &wrong).unwrap_err().to_string();
+        assert!(error.contains("m/s^2/N"), "{error}");
+    }
 }

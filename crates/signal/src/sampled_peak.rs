@@ -9,12 +9,16 @@
 //! so that its peak is the vertex of a parabola through three lines or more, whatever their spacing. Of other
 //! receptances the lines near the top count.
 
+use std::ops::Range;
+
 use crate::fit::least_squares;
 use crate::frf::Frf;
 
-/// Least `|H|^2` of the lines of a peak over that of the highest one; the neighbours of the highest line
-/// count in any case.
-const TOP: f64 = 0.95;
+/// Fall of `|H|^2` down to which the lines of a peak count, over that of the highest one: at least, over the
+/// relative deviation, and at most. The neighbours of the highest line count in any case.
+const FALL: f64 = 0.05;
+const NOISE: f64 = 30.0;
+const MOST_FALL: f64 = 0.6;
 
 /// Least height of a peak above the higher minimum beside it, over its magnitude, and in standard deviations
 /// of a line.
@@ -28,7 +32,7 @@ pub struct SampledPeak {
     pub frequency_hz: f64,
     /// Magnitude, in the unit of the function.
     pub magnitude: f64,
-    /// Standard deviation of the frequency, in hertz.
+    /// Standard deviation of the frequency due to noise and to the distance of the lines, in hertz.
     pub frequency_deviation_hz: f64,
     /// Standard deviation of the magnitude, in the unit of the function.
     pub magnitude_deviation: f64,
@@ -78,13 +82,19 @@ impl SampledPeak {
             })
             .collect();
         let top = highest(&lines)?;
-        let least = TOP.sqrt() * lines[top].magnitude;
-        let is_near = |line: &Line| line.magnitude >= least;
-        let before = lines[..top - 1].iter().rev().take_while(|line| is_near(line)).count();
-        let after = lines[top + 2..].iter().take_while(|line| is_near(line)).count();
-        let near = &lines[top - 1 - before..top + 2 + after];
         let middle = lines[top].frequency;
-        let (frequency_hz, magnitude) = vertex(near, middle)?;
+        // Lines that fall by much less than their noise tell nothing of the curvature.
+        let noise = NOISE * lines[top].deviation / lines[top].magnitude;
+        let falls = std::iter::successors(Some(noise.max(FALL)), |fall| Some(2.0 * fall));
+        let (range, (frequency_hz, magnitude)) =
+            falls.take_while(|fall| *fall < MOST_FALL).find_map(|fall| {
+                let range = around(&lines, top, fall);
+                Some((range.clone(), vertex(&lines[range], middle)?))
+            })?;
+        let near = &lines[range.clone()];
+        // What a line more on each side changes is the error of the parabola, where it exceeds the noise.
+        let wider = range.start.saturating_sub(1)..(range.end + 1).min(lines.len());
+        let wider = vertex(&lines[wider], middle).unwrap_or((frequency_hz, magnitude));
         // The vertex depends on each line: by central differences of half a standard deviation.
         let (mut frequency_square, mut magnitude_square) = (0.0, 0.0);
         let mut varied = near.to_vec();
@@ -102,11 +112,14 @@ impl SampledPeak {
             frequency_square += (scale * (high.0 - low.0)).powi(2);
             magnitude_square += (scale * (high.1 - low.1)).powi(2);
         }
+        let deviation = |noise: f64, change: f64| {
+            if change.abs() > 2.0 * noise { noise.hypot(change) } else { noise }
+        };
         Some(Self {
             frequency_hz,
             magnitude,
-            frequency_deviation_hz: frequency_square.sqrt(),
-            magnitude_deviation: magnitude_square.sqrt(),
+            frequency_deviation_hz: deviation(frequency_square.sqrt(), wider.0 - frequency_hz),
+            magnitude_deviation: deviation(magnitude_square.sqrt(), wider.1 - magnitude),
         })
     }
 }
@@ -138,6 +151,15 @@ fn highest(lines: &[Line]) -> Option<usize> {
         .filter(|&at| magnitude(at) >= magnitude(at - 1) && magnitude(at) > magnitude(at + 1))
         .filter(stands_out)
         .max_by(|a, b| magnitude(*a).total_cmp(&magnitude(*b)))
+}
+
+/// The lines around the highest one down to a `fall` of `|H|^2`, within their noise.
+fn around(lines: &[Line], top: usize, fall: f64) -> Range<usize> {
+    let least = (1.0 - fall).sqrt() * lines[top].magnitude;
+    let is_near = |line: &Line| line.magnitude + 2.0 * line.deviation >= least;
+    let before = lines[..top - 1].iter().rev().take_while(|line| is_near(line)).count();
+    let after = lines[top + 2..].iter().take_while(|line| is_near(line)).count();
+    top - 1 - before..top + 2 + after
 }
 
 /// Frequency and magnitude at the least of the parabola in `f^2` through `1 / |H|^2`, each line by its weight.
@@ -189,7 +211,7 @@ mod tests {
             let peak = SampledPeak::of(&found, &[], (600.0, 1100.0)).unwrap();
             assert!((peak.frequency_hz - frequency).abs() < 1e-7, "{step}: {peak:?}");
             assert!((peak.magnitude / magnitude - 1.0).abs() < 1e-9, "{step}: {peak:?}");
-            assert_eq!(peak.frequency_deviation_hz, 0.0);
+            assert!(peak.frequency_deviation_hz < 1e-6, "{step}: {peak:?}");
         }
         // Towards the end of a band without its maximum the magnitude only rises.
         let found = oscillator(5.0, |_| Complex64::ZERO);
