@@ -126,7 +126,7 @@ pub use hit_report::{HitFundamental, HitReport, HitSecondHarmonic, HitStatistics
 pub use input_files::input_files;
 pub use input_size::{MAX_ANALYSED_BYTES, MAX_CONVERTED_BYTES};
 pub use inspection::{Choice, INSPECTION_SCHEMA, InspectedChannel, Inspection, inspect};
-pub use measured_frf::{FUNCTION_ROLE, FrfOptions, MeasuredFrf, read_frf};
+pub use measured_frf::{FUNCTION_ROLE, FrfOptions, MeasuredFrf, read_frf, read_frfs};
 pub use modes::{Mode, ModeAtResponse};
 pub use next_level::{LevelCoverage, NextLevel};
 pub use options::{

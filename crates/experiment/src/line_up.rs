@@ -69,9 +69,8 @@ impl LineUp {
         };
         let ratios = rates.iter().map(|rate| ratio(*rate)).collect::<Option<Vec<usize>>>()?;
         let apart = |at: usize| (latest - starts[at]) * rates[at];
-        let is_copied = |at: usize| {
-            ratios[at] == 1 && (apart(at) - apart(at).round()).abs() <= EXACT_FRACTION
-        };
+        let is_copied =
+            |at: usize| ratios[at] == 1 && (apart(at) - apart(at).round()).abs() <= EXACT_FRACTION;
         let all = 0..rates.len();
         let lead = if all.clone().all(is_copied) { 0 } else { HALF };
         let waiting = |at: usize| {
@@ -101,9 +100,8 @@ impl LineUp {
 
     /// Frequency \[Hz\] up to which resampled channels are exact.
     pub(crate) fn exact_to_hz(&self) -> f64 {
-        let lowered = |channel: &Waiting| {
-            channel.kernel.as_ref().is_some_and(|kernel| kernel.ratio > 1)
-        };
+        let lowered =
+            |channel: &Waiting| channel.kernel.as_ref().is_some_and(|kernel| kernel.ratio > 1);
         let share = if self.channels.iter().any(lowered) { 0.8 } else { 0.9 };
         0.5 * share * self.rate_hz
     }
@@ -199,7 +197,9 @@ mod tests {
                 let at = |n: usize| (n * k * block).min(samples.len());
                 samples[at(n)..at(n + 1)].to_vec()
             };
-            for (found, common) in found.iter_mut().zip(line_up.push(channels.iter().map(next).collect())) {
+            for (found, common) in
+                found.iter_mut().zip(line_up.push(channels.iter().map(next).collect()))
+            {
                 found.extend(common);
             }
         }
@@ -251,6 +251,8 @@ mod tests {
     fn rates_without_a_whole_ratio_do_not_meet() {
         assert!(LineUp::new(&[1000.0, 1500.0], &[0.0, 0.0]).is_none());
         assert!(LineUp::new(&[1000.0, 1000.001], &[0.0, 0.0]).is_none());
-        assert!(LineUp::new(&[1000.0, 1000.0], &[0.0, f64::NAN]).is_none_or(|one| one.start_s == 0.0));
+        assert!(
+            LineUp::new(&[1000.0, 1000.0], &[0.0, f64::NAN]).is_none_or(|one| one.start_s == 0.0)
+        );
     }
 }

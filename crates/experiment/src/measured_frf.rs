@@ -13,7 +13,7 @@
 use std::path::Path;
 
 use asperity_measure::{
-    Abscissa, Channel, ChannelQuantity, FrfUnits, ReadOptions, Record, Samples, read,
+    Abscissa, Channel, ChannelQuantity, FrfUnits, Measurement, ReadOptions, Record, Samples, read,
 };
 use asperity_signal::{Complex64, Frf, FrfForm};
 
@@ -88,23 +88,52 @@ pub struct MeasuredFrf {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_frf(file: &Path, options: &FrfOptions) -> Result<MeasuredFrf, AnalysisError> {
+    let measured = read_file(file, options)?;
+    let functions = functions(&measured);
+    let (record, channel) = chosen(file, &functions, options.function.as_ref())?;
+    of_channel(file, record, channel, options)
+}
+
+/// The receptances of all functions in the file `file`; [`FrfOptions::function`] does not count.
+///
+/// # Errors
+/// As [`read_frf`], and [`AnalysisError`] for a file without a function.
+pub fn read_frfs(file: &Path, options: &FrfOptions) -> Result<Vec<MeasuredFrf>, AnalysisError> {
+    let measured = read_file(file, options)?;
+    let functions = functions(&measured);
+    if functions.is_empty() {
+        return Err(no_function(file, &functions, None));
+    }
+    functions.iter().map(|(record, channel)| of_channel(file, record, channel, options)).collect()
+}
+
+fn read_file(file: &Path, options: &FrfOptions) -> Result<Measurement, AnalysisError> {
     if options.averages == Some(0) {
         let (name, expected) = ("the number of averages", "1 or more");
         return Err(AnalysisError::Setting { name, found: "0".to_owned(), expected });
     }
     check_size(&[file.to_owned().into()], MAX_CONVERTED_BYTES)?;
-    let measured =
-        read(file, &ReadOptions::default()).map_err(|error| measure_error(error, file))?;
-    let functions: Vec<(&Record, &Channel)> = measured
-        .records
-        .iter()
-        .flat_map(|record| record.channels.iter().map(move |channel| (record, channel)))
-        .filter(|(_, channel)| is_function(channel))
-        .collect();
-    let (record, channel) = chosen(file, &functions, options.function.as_ref())?;
+    read(file, &ReadOptions::default()).map_err(|error| measure_error(error, file))
+}
+
+/// The functions of a file with their records.
+fn functions(measured: &Measurement) -> Vec<(&Record, &Channel)> {
+    let records = measured.records.iter();
+    let channels =
+        records.flat_map(|record| record.channels.iter().map(move |channel| (record, channel)));
+    channels.filter(|(_, channel)| is_function(channel)).collect()
+}
+
+fn of_channel(
+    file: &Path,
+    record: &Record,
+    channel: &Channel,
+    options: &FrfOptions,
+) -> Result<MeasuredFrf, AnalysisError> {
     let (form, factor) = form_of(file, channel, options.unit.as_deref())?;
-    let Samples::Complex(values) = &channel.samples else {
-        return Err(no_function(file, &functions, options.function.as_ref()));
+    let values = match &channel.samples {
+        Samples::Complex(values) => values.as_slice(),
+        Samples::Real(_) => &[],
     };
     let sign = opposite(channel);
     let coherence = coherence_of(record, channel);
@@ -339,6 +368,11 @@ mod tests {
         }
         assert_eq!(read_frf(&path, &options("point", None)).unwrap().deviation, None);
         assert!(read_frf(&path, &options("#2", Some(0))).is_err());
+        let all = read_frfs(&path, &FrfOptions::default()).unwrap();
+        assert_eq!(
+            all.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(),
+            ["point", "transfer"]
+        );
         assert_eq!(read_frf(&path, &options("#2", None)).unwrap().name, "transfer");
 
         let error = read_frf(&path, &FrfOptions::default()).unwrap_err().to_string();

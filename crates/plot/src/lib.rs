@@ -10,6 +10,7 @@
 //! | laws, modes | [`laws`], [`modes`] | |
 //! | steady responses | [`steady`] | [`steady_report`], in the words of [`steady_words`] |
 //! | measured hits | [`figures`], [`responses`] | [`analysis_report`] |
+//! | functions of a file | [`frf_file`] | |
 //! | free decays | [`decay_figures`] | [`decay_report`] |
 //! | identification | [`identification`] | [`identification_report`] |
 //! | study | [`answers`] | |
@@ -30,6 +31,7 @@ mod analysis;
 mod answers;
 mod axes;
 mod decay;
+mod frf_file;
 mod identification;
 mod magnitude;
 mod response;
@@ -43,6 +45,7 @@ use asperity_figure::{Figure, Panel};
 pub use analysis::{analysis_report, figures, responses};
 pub use answers::answers;
 pub use decay::{decay_figures, decay_report};
+pub use frf_file::frf_file;
 pub use identification::{identification, identification_report, measurement};
 pub use magnitude::MagnitudeAxis;
 pub use response::{frf, history};

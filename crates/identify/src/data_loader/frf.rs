@@ -58,7 +58,15 @@ impl Loader<'_> {
             let simulated = self.add_hit(place, name, &[&hit.set], hit.force_peak_n)?;
             return self.receptance(place, name, simulated, &lines, with_noise);
         }
-        let found = self.frf_features(place, &lines, (*band_hz, features), with_noise)?;
+        let mut found = self.frf_features(place, &lines, (*band_hz, features), with_noise)?;
+        // The distance of the lines alone is no standard deviation.
+        if spread == &SpreadSpec::default() && lines.iter().all(|line| line.deviation == 0.0) {
+            for (feature, measured) in &mut found {
+                if !floor.contains_key(feature) {
+                    *measured = Measured::Alone(measured.parts().0);
+                }
+            }
+        }
         let hit = HitSpec { force_peak_n: hit.force_peak_n, set: hit.set.clone(), features: found };
         self.hit_features(place, name, &serde_json::Map::new(), floor, &hit)
     }

@@ -21,8 +21,8 @@ pub(super) fn comparison(choice: &ModelComparison) -> Figure {
     let score = |candidate: &ComparedModel| candidate.score_difference.and_then(finite);
     let aicc = |candidate: &ComparedModel| finite(candidate.aicc - best?.aicc);
     let scores =
-        panel("Score minus that of the best (nat)", names(true), choice, &place, &score, true);
-    let criteria = panel("AICc minus that of the best", names(false), choice, &place, &aicc, false);
+        panel("Score minus the best score (nat)", names(true), choice, &place, &score, true);
+    let criteria = panel("AICc minus the lowest AICc", names(false), choice, &place, &aicc, false);
     let height = 26.0 + 9.0 * count as f64;
     let figure = Figure::new("Laws compared").panel(scores).panel(criteria).columns(2);
     figure.width_mm(175.0).row_height_mm(height.clamp(40.0, 200.0))

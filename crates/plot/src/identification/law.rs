@@ -91,7 +91,7 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
 
     let usable = law.remaining.iter().copied().filter(|part| *part > 0.0 && part.is_finite());
     let least = usable.fold(f64::INFINITY, f64::min).clamp(1e-6, 0.1);
-    let left = Axis::log("Uncertainty left, of that before", "").range(0.8 * least, 1.5);
+    let left = Axis::log("Deviation of ln K, posterior over prior", "").range(0.8 * least, 1.5);
     let left = Panel::new(pressure(), left)
         .legend(Legend::None)
         .series_if_visible(Series::line("", &law.pressure, &law.remaining).color(Color::BLUE));
