@@ -84,7 +84,7 @@ pub struct MeasuredFrf {
 /// # write(&path, &[record], Format::UniversalBinary, &WriteOptions::default())?;
 /// // An accelerance of -39.478 1/kg at 100 Hz.
 /// let found = read_frf(&path, &FrfOptions::default())?;
-/// assert!((found.receptance.values[0].re - 1e-4).abs() < 1e-9);
+/// assert!((found.receptance.values[0].re - 1e-4).abs() < 1e-8);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_frf(file: &Path, options: &FrfOptions) -> Result<MeasuredFrf, AnalysisError> {

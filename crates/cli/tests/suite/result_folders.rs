@@ -138,7 +138,7 @@ fn partial_runs_keep_the_finished_result() {
     };
     type Run<'a> = &'a dyn Fn(&str, &str) -> std::process::Output;
     let cases: [(Run<'_>, [&str; 2], &str); 2] =
-        [(&sweep, ["1,2", "1,1e300"], "sweep.csv"), (&steady, ["0.5", "0.5,1e9"], "steady.csv")];
+        [(&sweep, ["1,2", "1,1e300"], "sweep.csv"), (&steady, ["0.5", "0.6,1e9"], "steady.csv")];
     for (run, [good, partial], table) in cases {
         let read = |out: &str| fs::read(folder.path().join(out).join(table)).unwrap();
         let output = run(good, table);
