@@ -167,7 +167,9 @@ impl Kernel {
         let mut weights: Vec<f64> = (0..2 * half).map(weight).collect();
         // Constants are exact.
         let sum: f64 = weights.iter().sum();
-        weights.iter_mut().for_each(|weight| *weight /= sum);
+        for weight in &mut weights {
+            *weight /= sum;
+        }
         Self { ratio, weights }
     }
 }

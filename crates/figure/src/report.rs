@@ -90,8 +90,8 @@ pub fn digits(value: f64, count: usize) -> String {
     } else if value == 0.0 {
         "0".to_owned()
     } else if (1e-3..1e5).contains(&magnitude) {
-        let places = count as i32 - 1 - magnitude.log10().floor() as i32;
-        format!("{value:.*}", places.max(0) as usize).replace('-', "−")
+        let places = count as f64 - 1.0 - magnitude.log10().floor();
+        format!("{value:.*}", places.max(0.0) as usize).replace('-', "−")
     } else {
         let text = format!("{value:.*e}", count.saturating_sub(1)).replace('-', "−");
         let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));

@@ -73,13 +73,13 @@ fn records(analysis: &ResponseAnalysis, bar: &ColorBar) -> Option<Figure> {
     };
     let every = analysis.curves.len().div_ceil(MOST_RECORDS).max(1);
     let shown: Vec<&HitCurve> = analysis.curves.iter().step_by(every).collect();
-    let reach = |values: &dyn Fn(&HitCurve) -> &(Vec<f64>, Vec<f64>)| {
-        let all = || shown.iter().flat_map(|curve| values(curve).1.iter().copied());
+    let reach = |values: fn(&HitCurve) -> &[f64]| {
+        let all = || shown.iter().flat_map(|curve| values(curve).iter().copied());
         let (low, high) = (all().fold(0.0, f64::min), all().fold(0.0, f64::max));
         let room = 0.08 * (high - low).max(f64::MIN_POSITIVE);
         (low - room, high + room)
     };
-    let (forces, responses) = (reach(&|curve| &curve.force), reach(&|curve| &curve.response));
+    let (forces, responses) = (reach(|curve| &curve.force.1), reach(|curve| &curve.response.1));
     let last = shown.iter().filter_map(|curve| curve.response.0.last().copied());
     let last = 1e3 * last.fold(0.0, f64::max);
     let panels = shown.iter().enumerate().flat_map(|(place, curve)| {

@@ -82,7 +82,7 @@ impl AmplitudeAxis {
 ///
 /// - `noise`: standard deviation of the damping ratio of a point over the ratio.
 pub(super) fn clear(count: usize, noise: impl Fn(usize) -> f64) -> usize {
-    let is_noise = |at: usize| !(noise(at) < MOST_NOISE);
+    let is_noise = |at: usize| noise(at) >= MOST_NOISE || noise(at).is_nan();
     let ends = |from: usize| {
         let next = from..(from + END).min(count);
         let noisy = next.clone().filter(|&at| is_noise(at)).count();

@@ -192,7 +192,7 @@ mod tests {
     fn oscillator(step: f64, noise: impl Fn(usize) -> Complex64) -> Frf {
         let (natural, ratio) = (873.0, 0.035);
         let frequency_hz: Vec<f64> =
-            (0..).map(|n| 500.0 + step * f64::from(n)).take_while(|f| *f < 1200.0).collect();
+            (0..(700.0 / step) as u32).map(|n| 500.0 + step * f64::from(n)).collect();
         let value = |(at, f): (usize, &f64)| {
             let r = f / natural;
             Complex64::new(1.0 - r * r, 2.0 * ratio * r).inv() + noise(at)

@@ -17,7 +17,7 @@ fn column(name: &str, real: &[f64], imaginary: Option<&[f64]>) -> Vec<u8> {
     let flags = 6_u32 | if imaginary.is_some() { 0x800 } else { 0 };
     let doubles =
         |values: &[f64]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
-    let size = [(real.len() as i32).to_le_bytes(), 1_i32.to_le_bytes()].concat();
+    let size = [(real.len() as u32).to_le_bytes(), 1_u32.to_le_bytes()].concat();
     let mut parts = vec![
         element(6, &[flags.to_le_bytes(), 0_u32.to_le_bytes()].concat()),
         element(5, &size),
