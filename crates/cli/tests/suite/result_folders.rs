@@ -119,6 +119,9 @@ fn steady_after_simulate_keeps_its_files() {
     }
 }
 
+/// A command with its values and its folder.
+type Run<'a> = &'a dyn Fn(&str, &str) -> std::process::Output;
+
 /// A run of which a part fails is written beside the finished result of the folder, and in its place once
 /// that is partial, too.
 #[test]
@@ -136,7 +139,6 @@ fn partial_runs_keep_the_finished_result() {
         let asked = ["steady", "rig.json", "--amplitude", amplitudes, "--out", out];
         asperity(folder.path(), &[&asked[..], &range].concat())
     };
-    type Run<'a> = &'a dyn Fn(&str, &str) -> std::process::Output;
     let cases: [(Run<'_>, [&str; 2], &str); 2] =
         [(&sweep, ["1,2", "1,1e300"], "sweep.csv"), (&steady, ["0.5", "0.6,1e9"], "steady.csv")];
     for (run, [good, partial], table) in cases {
