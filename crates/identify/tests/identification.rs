@@ -230,8 +230,9 @@ fn records_receptances_and_backbones_give_back_the_parameters() {
                "features": ["fundamental.frequency_hz", "fundamental.receptance_m_per_n",
                             "harmonic_ratio"]}),
     ];
-    // A backbone hardly depends on damping; the ends of a record differ for acceleration.
-    for (data, tolerance) in kinds.into_iter().zip([2e-3, 1e-4, 5e-3, 1e-4, 1e-3]) {
+    // A backbone hardly depends on damping; the ends of a record differ for acceleration; the peaks of a
+    // function are known within their standard deviations, of 0.7 % of each line here.
+    for (data, tolerance) in kinds.into_iter().zip([2e-3, 1e-4, 5e-3, 1e-4, 1e-2]) {
         let of_backbone = data["kind"] == "backbone";
         let unknowns = if of_backbone { json!([unknowns[0]]) } else { unknowns.clone() };
         let problem = json!({
