@@ -163,6 +163,36 @@ impl ResultFolder {
         Ok(Self(claimed, figures.to_vec()))
     }
 
+    /// The folder for a result that is `how` ("stopped", "partial"): this folder, or, if its earlier result is
+    /// finished, one beside it whose name ends in `how`.
+    ///
+    /// - `(command, summary)`: the command that writes and the file that tells whether its earlier result
+    ///   `is_finished`.
+    fn beside_finished(
+        self,
+        how: &str,
+        is_finished: impl FnOnce(&Value) -> bool,
+        (command, summary): (&str, &str),
+        input: &Path,
+        output: &Output,
+    ) -> Result<Self, Failure> {
+        let earlier = self.earlier(summary).and_then(|file| std::fs::read(file).ok());
+        let earlier = serde_json::from_slice(&earlier.unwrap_or_default()).unwrap_or_default();
+        if !is_finished(&earlier) {
+            return Ok(self);
+        }
+        let mut name = self.0.path().file_name().unwrap_or_default().to_os_string();
+        name.push(format!("-{how}"));
+        let beside = self.0.path().with_file_name(name);
+        crate::progress::show_line(&format!(
+            "{} keeps its finished result; that of the {how} run is written to {}",
+            self.0.path().display(),
+            beside.display()
+        ));
+        let figures = &output.figures.figures;
+        Self::claim_at(command, input, Some(&beside), output.overwrite, figures)
+    }
+
     /// Writes a file.
     fn write(&self, name: &str, contents: impl AsRef<[u8]>) -> Result<(), Failure> {
         let _span = info_span!("write", file = name).entered();

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use asperity_experiment::AnalysisError;
+use asperity_experiment::{AnalysisError, FUNCTION_ROLE};
 use asperity_figure::FigureError;
 use asperity_identify::IdentificationError;
 use asperity_measure::MeasureError;
@@ -218,6 +218,10 @@ fn analysis_hint(error: &AnalysisError) -> Option<String> {
             "select one with --force, or describe the channels with --names and --units; decays \
              without a force are for `asperity decay`"
                 .into()
+        }
+        AnalysisError::NoChannel { role: FUNCTION_ROLE, .. }
+        | AnalysisError::Ambiguous { role: FUNCTION_ROLE, .. } => {
+            "\"function\" of the data names one, as \"NAME\" or \"#NUMBER\"".into()
         }
         AnalysisError::NoChannel { role, .. } => {
             format!("select one with --{role}, or describe the channels with --names and --units")

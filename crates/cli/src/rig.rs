@@ -71,7 +71,11 @@ pub(crate) fn write(
     settings: &RigSettings,
     overwrite: bool,
 ) -> Result<(), AnalysisError> {
-    let text = pretty(&json!(settings));
+    write_file(path, pretty(&json!(settings)).as_bytes(), overwrite)
+}
+
+/// Writes a file, over an existing one only if `overwrite`.
+pub(crate) fn write_file(path: &Path, bytes: &[u8], overwrite: bool) -> Result<(), AnalysisError> {
     let io = |source| MeasureError::Io { file: path.display().to_string(), source };
-    Ok(write_whole(path, overwrite, |out| out.write_all(text.as_bytes()).map_err(io))?)
+    Ok(write_whole(path, overwrite, |out| out.write_all(bytes).map_err(io))?)
 }

@@ -110,6 +110,7 @@ fn channel(
             response: Some(response_node.clone()),
             reference: Some(reference_node.clone()),
             frf: units,
+            is_coherence: false,
         },
     }
 }

@@ -68,6 +68,7 @@
 //! | `analysis`, `report`, `hit_report`, `curve` | [`Analysis`], `analysis.json`, CSV, curves to draw |
 //! | `decay` | [`analyse_decays`]: free decays without a force |
 //! | `frf_record` | functions of hits and average as a record |
+//! | `measured_frf` | functions from files of other programs |
 //! | `convert` | [`convert`] from one format to another |
 //! | `inspection` | [`inspect`]: content of a file before any analysis |
 //! | `input_files` | folders and patterns to files |
@@ -91,6 +92,7 @@ mod input_files;
 mod input_size;
 mod inspection;
 mod line_up;
+mod measured_frf;
 mod modes;
 mod near_name;
 mod next_level;
@@ -124,6 +126,7 @@ pub use hit_report::{HitFundamental, HitReport, HitSecondHarmonic, HitStatistics
 pub use input_files::input_files;
 pub use input_size::{MAX_ANALYSED_BYTES, MAX_CONVERTED_BYTES};
 pub use inspection::{Choice, INSPECTION_SCHEMA, InspectedChannel, Inspection, inspect};
+pub use measured_frf::{FUNCTION_ROLE, FrfOptions, MeasuredFrf, read_frf, read_frfs};
 pub use modes::{Mode, ModeAtResponse};
 pub use next_level::{LevelCoverage, NextLevel};
 pub use options::{

@@ -201,14 +201,11 @@ impl<'a> SampleStream<'a> {
             };
             blocks.push(samples);
         }
-        let rate = rates[0];
-        if rates.iter().any(|other| (other / rate - 1.0).abs() > SAME_RATE) {
-            return Err(not_together(file, number, axes));
-        }
         if !record.continues {
-            self.begin_record(file, rate, &starts, axes)?;
+            self.begin_record(file, number, &rates, &starts, axes)?;
         }
         let Some(current) = &mut self.current else { return Ok(None) };
+        let rate = current.line_up.rate_hz;
         let mut blocks = current.line_up.push(blocks);
         if blocks[0].is_empty() {
             return Ok(None);
@@ -236,33 +233,33 @@ impl<'a> SampleStream<'a> {
         Ok(Some((SampleBlock { begins_record, start_s, force, responses: blocks }, signals)))
     }
 
-    /// Lines up the channels of a record by their starts.
+    /// Lines up the channels of a record by their starts, and resamples those with a rate of their own.
     fn begin_record(
         &mut self,
         file: &Path,
-        rate: f64,
+        number: usize,
+        rates: &[f64],
         starts: &[f64],
         axes: String,
     ) -> Result<(), AnalysisError> {
-        let problem = "a start time is not finite";
-        let line_up = LineUp::new(rate, starts).ok_or_else(|| AnalysisError::Record {
-            file: file.to_owned(),
-            record: 1,
-            problem,
-        })?;
-        if line_up.is_apart() {
-            self.note_file(file, format!("{LINED_UP}{axes}"));
+        if starts.iter().any(|start| !start.is_finite()) {
+            let (file, problem) = (file.to_owned(), "a start time is not finite");
+            return Err(AnalysisError::Record { file, record: number, problem });
         }
-        if line_up.fraction > EXACT_FRACTION {
-            let degrees = 360.0 * line_up.fraction / line_up.rate_hz;
-            let fraction = line_up.fraction;
+        let line_up = LineUp::new(rates, starts);
+        let line_up = line_up.ok_or_else(|| not_together(file, number, axes.clone()))?;
+        let rate = line_up.rate_hz;
+        if line_up.is_resampled() {
+            let (exact, band) = (line_up.exact_to_hz(), &axes);
             self.note_file(
                 file,
                 format!(
-                    "the starts of the channels are {fraction:.2} samples off whole ones: phases are \
-                     wrong by {degrees:.2e} degrees for each Hz"
+                    "{LINED_UP}{band}; resampled at common times with {rate:.6} Hz, exact up to \
+                     {exact:.0} Hz"
                 ),
             );
+        } else if line_up.is_apart() {
+            self.note_file(file, format!("{LINED_UP}{axes}"));
         }
         let filter = |corner| (1..starts.len()).map(|_| HighPass::new(corner, rate)).collect();
         let filters: Result<Vec<HighPass>, _> =
@@ -317,12 +314,8 @@ impl<'a> SampleStream<'a> {
     }
 }
 
-/// Relative difference of rates that are the same, as printed rates are rounded.
-const SAME_RATE: f64 = 1e-9;
 /// Beginning of the notice of channels whose starts are apart.
 const LINED_UP: &str = "channels lined up by their starts: ";
-/// Distance of starts from whole samples that is not told.
-const EXACT_FRACTION: f64 = 0.01;
 
 fn not_together(file: &Path, record: usize, channels: String) -> AnalysisError {
     AnalysisError::NotTogether { file: file.to_owned(), record, channels }

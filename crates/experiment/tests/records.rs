@@ -7,7 +7,8 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use asperity_experiment::{
-    AnalysisError, AnalysisOptions, RejectedHit, ResponseAnalysis, analyse, convert, inspect,
+    AnalysisError, AnalysisOptions, FrequencyBand, RejectedHit, ResponseAnalysis, analyse, convert,
+    inspect,
 };
 use asperity_measure::{InvalidCells, ReadOptions};
 use tempfile::TempDir;
@@ -16,7 +17,12 @@ const RATE: f64 = 10_000.0;
 
 /// Force and acceleration of a mode of 1 kg at 300 Hz with 2 % damping, hit every half second.
 fn hit_mode(hits: usize) -> (Vec<f64>, Vec<f64>) {
-    let (omega, damping, step) = (TAU * 300.0, 0.02, 1.0 / RATE);
+    hit_mode_at(RATE, hits)
+}
+
+/// The same at any rate.
+fn hit_mode_at(rate: f64, hits: usize) -> (Vec<f64>, Vec<f64>) {
+    let (omega, damping, step) = (TAU * 300.0, 0.02, 1.0 / rate);
     let (mut u, mut v) = (0.0, 0.0);
     let sample = |n: usize| {
         let since = (n as f64 * step) % 0.5 - 0.02;
@@ -26,7 +32,7 @@ fn hit_mode(hits: usize) -> (Vec<f64>, Vec<f64>) {
         u += v * step;
         (f, a)
     };
-    (0..(hits as f64 * 0.5 * RATE) as usize).map(sample).unzip()
+    (0..(hits as f64 * 0.5 * rate) as usize).map(sample).unzip()
 }
 
 fn store(folder: &TempDir, name: &str, text: &str) -> PathBuf {
@@ -74,20 +80,60 @@ fn starts_apart_are_lined_up() {
     }
 }
 
+/// Verified against the same signals at common times: starts a quarter of a sample apart, and half the
+/// rate for the response, in blocks of any size.
+#[test]
+fn channels_at_other_times_are_resampled() {
+    let folder = tempfile::tempdir().unwrap();
+    let (force, response) = hit_mode_at(4.0 * RATE, 2);
+    let every = |samples: &[f64], from: usize, step: usize| -> Vec<f64> {
+        samples.iter().skip(from).step_by(step).copied().collect()
+    };
+    let (own_force, own) = (every(&force, 0, 4), every(&response, 0, 4));
+    let reference = store(&folder, "a.csv", &text(&own_force, &own, 0));
+    let band = Some(FrequencyBand { low_hz: 200.0, high_hz: 400.0 });
+    let options = AnalysisOptions { band_hz: band, ..AnalysisOptions::default() };
+    let (f1, a1) = peak(&only(&reference, &options).unwrap());
+    for (name, from, step) in [("quarter.csv", 1, 4), ("half.csv", 0, 8), ("both.csv", 3, 8)] {
+        let mut table = String::from("t_hammer (s),hammer (N),t_top (s),top (m/s^2)\n");
+        let own = every(&response, from, step);
+        for (n, f) in own_force.iter().enumerate() {
+            let t = n as f64 / RATE;
+            let _ = match own.get(n) {
+                Some(a) => {
+                    let own = (from + n * step) as f64 / (4.0 * RATE);
+                    writeln!(table, "{t:.6},{f},{own:.6},{a}")
+                }
+                None => writeln!(table, "{t:.6},{f},,"),
+            };
+        }
+        let file = store(&folder, name, &table);
+        for block in [100, 1 << 16] {
+            let reading = ReadOptions { block, ..ReadOptions::default() };
+            let found = only(&file, &AnalysisOptions { reading, ..options.clone() }).unwrap();
+            let (own_f1, own_a1) = peak(&found);
+            assert!((own_f1 / f1 - 1.0).abs() < 1e-4, "{name}: {own_f1} {f1}");
+            assert!((own_a1 / a1 - 1.0).abs() < 2e-3, "{name}: {own_a1} {a1}");
+            let told = |notice: &String| notice.contains("resampled at common times");
+            assert!(found.report.notices.iter().any(told), "{:?}", found.report.notices);
+        }
+    }
+}
+
 #[test]
 fn rates_and_starts_that_do_not_fit_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let (force, _) = hit_mode(1);
     let mut rates = String::from("time 1 (s),hammer (N),time 2 (s),top (m/s^2)\n");
     for (n, f) in force.iter().enumerate().take(400) {
-        let _ = writeln!(rates, "{:.4},{},{:.4},{}", n as f64 / RATE, f, n as f64 / 5e3, n % 7);
+        let _ = writeln!(rates, "{:.4},{},{:.5},{}", n as f64 / RATE, f, n as f64 / 4e3, n % 7);
     }
     let message = |text: &str| {
         only(&store(&folder, "c.csv", text), &AnalysisOptions::default()).unwrap_err().to_string()
     };
     let rates = message(&rates);
     assert!(rates.contains("not sampled together"), "{rates}");
-    assert!(rates.contains("at 10000.000000 Hz") && rates.contains("at 5000.000000 Hz"), "{rates}");
+    assert!(rates.contains("at 10000.000000 Hz") && rates.contains("at 4000.000000 Hz"), "{rates}");
     // No common time.
     let mut later = String::from("time 1 (s),hammer (N),time 2 (s),top (m/s^2)\n");
     for (n, f) in force.iter().enumerate().take(400) {

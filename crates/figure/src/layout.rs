@@ -116,6 +116,8 @@ struct PageLayout {
     columns: usize,
     rows: usize,
     row_height: f64,
+    /// Distance of the tops of two rows.
+    pitch: f64,
     tagged: bool,
 }
 
@@ -131,11 +133,16 @@ impl PageLayout {
             _ => (aspect * across / PX_PER_MM).clamp(least, most),
         };
         let tagged = figure.tags && figure.panels.len() > 1;
-        Self { width, columns, rows, row_height: down * PX_PER_MM, tagged }
+        let row_height = down * PX_PER_MM;
+        // Below rows whose axes have no titles there is less room.
+        let mut upper = figure.panels.iter().take(columns * (rows - 1));
+        let untitled = rows > 1 && upper.all(|panel| panel.x_axis.label.is_empty());
+        let spared = if untitled { TITLE_FONT + 4.0 } else { 0.0 };
+        Self { width, columns, rows, row_height, pitch: row_height + GAP.1 - spared, tagged }
     }
 
     fn height(&self) -> f64 {
-        self.row_height * self.rows as f64 + GAP.1 * (self.rows - 1) as f64
+        self.row_height + self.pitch * (self.rows - 1) as f64
     }
 
     /// Width of every frame, beside the room at the left and right of each column.
@@ -160,7 +167,7 @@ impl PageLayout {
         }
         let spans: Vec<(f64, f64)> = (0..panels.len())
             .map(|index| {
-                let above = row(index) as f64 * (self.row_height + GAP.1);
+                let above = row(index) as f64 * self.pitch;
                 (above + head, above + self.row_height - bottom)
             })
             .collect();

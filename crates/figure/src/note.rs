@@ -4,13 +4,17 @@ use crate::{
     Anchor, Color,
     frame::{Frame, Obstacles, Point},
     panel::{Note, ReferenceLine},
-    plot::Plot,
+    plot::{MARKS, Plot},
     svg::{Align, Canvas, TextStyle},
     text::{self, LABEL_FONT},
 };
 
 /// Room between a point and its note.
 const CLEAR: f64 = 6.0;
+/// Room between a text and curves, markers and other texts.
+const LINE_ROOM: f64 = 1.5;
+/// Distance of the lines of text at which a place beside a vertical is looked for.
+const LINE: f64 = 1.4 * LABEL_FONT;
 /// Half the height of a capital.
 const HALF: f64 = 0.5 * text::CAP_HEIGHT * LABEL_FONT;
 
@@ -38,12 +42,14 @@ pub(crate) fn obstacles(plot: &Plot<'_>) -> Obstacles {
 fn labels(plot: &Plot<'_>) -> (Vec<Label>, Obstacles) {
     let mut obstacles = plot.curves();
     let mut labels = Vec::new();
+    // Texts keep clear of the marks of the axes.
+    let frame = plot.frame.grown(-MARKS.0);
     let mut place = |candidates: Vec<Label>| {
         let free = candidates.iter().find(|label| {
             let bounds = label.bounds();
-            let inside = plot.frame.holds((bounds.left, bounds.top))
-                && plot.frame.holds((bounds.right, bounds.bottom));
-            inside && !obstacles.meet(&bounds)
+            let inside = frame.holds((bounds.left, bounds.top))
+                && frame.holds((bounds.right, bounds.bottom));
+            inside && !obstacles.meet(&bounds.grown(LINE_ROOM))
         });
         if let Some(label) = free.or(candidates.first()) {
             obstacles.boxes.push(label.bounds());
@@ -59,7 +65,7 @@ fn labels(plot: &Plot<'_>) -> (Vec<Label>, Obstacles) {
     (labels, obstacles)
 }
 
-/// Both sides of both ends of a reference line, the last end first.
+/// Both sides of both ends of a reference line, the last end first; of a vertical then down along it.
 fn beside_line(plot: &Plot<'_>, reference: &ReferenceLine) -> Vec<Label> {
     let Some(line) = plot.reference_line(reference) else {
         return Vec::new();
@@ -70,23 +76,27 @@ fn beside_line(plot: &Plot<'_>, reference: &ReferenceLine) -> Vec<Label> {
     let y = ends[0].1;
     let (heights, sides) = if reference.vertical {
         let sides = [(ends[0].0 + 4.0, Align::Left), (ends[0].0 - 4.0, Align::Right)];
-        ([y + 14.0, ends[1].1 - 9.0], sides)
+        let (first, last) = (y + 14.0, ends[1].1 - 9.0);
+        let lines = ((last - first) / LINE).max(0.0) as usize;
+        let between = (1..=lines).map(|line| first + LINE * line as f64);
+        ([first, last].into_iter().chain(between).collect::<Vec<f64>>(), sides)
     } else {
         let sides = [(ends[0].0 - 7.0, Align::Right), (ends[1].0 + 7.0, Align::Left)];
-        ([y - 3.5, y + 3.5 + 2.0 * HALF], sides)
+        (vec![y - 3.5, y + 3.5 + 2.0 * HALF], sides)
     };
     heights.into_iter().flat_map(|y| sides.map(|(x, align)| label((x, y), align))).collect()
 }
 
-/// The chosen side of a point, or all eight around it.
+/// The chosen side of a point, or all eight around it, then further to the sides.
 fn beside_point(plot: &Plot<'_>, note: &Note) -> Vec<Label> {
     let (x, y) = (plot.x.scale.datum(note.x), plot.y.scale.datum(note.y));
     if !plot.frame.holds((x, y)) {
         return Vec::new();
     }
-    let label = |(dx, dy, align): (f64, f64, _)| {
-        Label::new((x + dx, y + dy), &note.text, align, note.color)
+    let label_at = |times: f64, (dx, dy, align): (f64, f64, _)| {
+        Label::new((x + times * dx, y + dy), &note.text, align, note.color)
     };
+    let label = |place| label_at(1.0, place);
     let (right, left) = ((CLEAR, HALF, Align::Left), (-CLEAR, HALF, Align::Right));
     let (above, below) = ((0.0, -CLEAR, Align::Center), (0.0, CLEAR + 2.0 * HALF, Align::Center));
     let (up, down) = (-0.6 * CLEAR, 0.6 * CLEAR + 2.0 * HALF);
@@ -105,7 +115,12 @@ fn beside_point(plot: &Plot<'_>, note: &Note) -> Vec<Label> {
             if x + CLEAR + width > plot.frame.right {
                 around.swap(0, 1);
             }
-            around.into_iter().map(label).collect()
+            // A text further away is still told from others by its height.
+            let further = [4.0, 8.0].into_iter().flat_map(|times| {
+                around.iter().filter(|place| place.0 != 0.0).map(move |place| (times, *place))
+            });
+            let near = around.iter().map(|place| (1.0, *place));
+            near.chain(further).map(|(times, place)| label_at(times, place)).collect()
         }
     }
 }

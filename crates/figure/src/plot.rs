@@ -20,9 +20,11 @@ const ERROR_LINE: f64 = 0.7;
 /// Width of the frame and its marks.
 const HAIRLINE: f64 = 0.7;
 /// Lengths of labelled and short marks.
-const MARKS: (f64, f64) = (4.0, 2.2);
+pub(crate) const MARKS: (f64, f64) = (4.0, 2.2);
 /// Room between the frame and the tick labels.
 pub(crate) const TICK_GAP: f64 = 4.5;
+/// Least size of the title of an axis over that of one with room.
+const LEAST_TITLE: f64 = 0.55;
 /// More markers than this are drawn once a third of a pixel.
 const MANY_MARKERS: usize = 2000;
 
@@ -198,12 +200,17 @@ impl Plot<'_> {
     /// Titles of both axes.
     fn titles(&self, canvas: &mut Canvas) {
         let Frame { left, top, right, bottom } = self.frame;
-        let style = TextStyle::new(TITLE_FONT, Align::Center);
+        // A title that is longer than its axis is written smaller.
+        let style = |title: &str, room: f64| {
+            let share = room / text::width(title, TITLE_FONT).max(1.0);
+            TextStyle::new(TITLE_FONT * share.clamp(LEAST_TITLE, 1.0), Align::Center)
+        };
         let below = bottom + TICK_GAP + LABEL_FONT + 4.0 + text::CAP_HEIGHT * TITLE_FONT;
-        canvas.text(0.5 * (left + right), below, &self.x.title, style);
+        let across = style(&self.x.title, right - left);
+        canvas.text(0.5 * (left + right), below, &self.x.title, across);
         let beside = left - TICK_GAP - self.y.label_width() - 6.0;
-        let style = style.turned(90.0);
-        canvas.text(beside, 0.5 * (top + bottom), &self.y.title, style);
+        let along = style(&self.y.title, bottom - top).turned(90.0);
+        canvas.text(beside, 0.5 * (top + bottom), &self.y.title, along);
     }
 
     pub(crate) fn reference_line(&self, reference: &ReferenceLine) -> Option<Vec<Point>> {

@@ -62,6 +62,13 @@ impl From<ClaimOutcome> for TableCell {
     }
 }
 
+impl TableCell {
+    /// A standard deviation as [`two_digits`] writes it; a dash without one.
+    pub fn deviation(value: impl Into<Option<f64>>) -> Self {
+        Self::Number(two_digits(value.into().unwrap_or(f64::NAN)))
+    }
+}
+
 impl From<f64> for TableCell {
     /// The number as [`four_digits`] writes it.
     fn from(value: f64) -> Self {
@@ -71,19 +78,31 @@ impl From<f64> for TableCell {
 
 /// A number as text with four significant digits; a dash where it is not finite.
 pub fn four_digits(value: f64) -> String {
+    digits(value, 4)
+}
+
+/// A number as text with `count` significant digits, all digits before the point kept; a dash where it is
+/// not finite.
+pub fn digits(value: f64, count: usize) -> String {
     let magnitude = value.abs();
     if !value.is_finite() {
         "–".to_owned()
     } else if value == 0.0 {
         "0".to_owned()
     } else if (1e-3..1e5).contains(&magnitude) {
-        let places = (3 - magnitude.log10().floor() as i32).max(0) as usize;
-        format!("{value:.places$}").replace('-', "−")
+        let places = count as f64 - 1.0 - magnitude.log10().floor();
+        format!("{value:.*}", places.max(0.0) as usize).replace('-', "−")
     } else {
-        let text = format!("{value:.3e}").replace('-', "−");
+        let text = format!("{value:.*e}", count.saturating_sub(1)).replace('-', "−");
         let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
         format!("{mantissa}×10^{{{exponent}}}")
     }
+}
+
+/// A standard deviation as text with two significant digits; a dash where it is not finite.
+pub fn two_digits(deviation: f64) -> String {
+    let rounded = format!("{deviation:.1e}").parse().unwrap_or(f64::NAN);
+    digits(rounded, 2)
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -223,5 +242,21 @@ mod tests {
         assert_eq!(four_digits(4.2e9), "4.200×10^{9}");
         assert_eq!(four_digits(1e-7), "1.000×10^{−7}");
         assert_eq!(four_digits(f64::NAN), "–");
+    }
+
+    #[test]
+    fn deviations_have_two_digits() {
+        for (deviation, text) in [
+            (132.04, "130"),
+            (0.023_46, "0.023"),
+            (0.999, "1.0"),
+            (13.2, "13"),
+            (4.26e9, "4.3×10^{9}"),
+            (1e-7, "1.0×10^{−7}"),
+            (0.0, "0"),
+            (f64::NAN, "–"),
+        ] {
+            assert_eq!(two_digits(deviation), text, "{deviation}");
+        }
     }
 }

@@ -17,6 +17,19 @@ pub enum Dash {
     DashDot,
 }
 
+/// Line patterns in order of use.
+const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::DashDot, Dash::Dotted];
+
+/// Point symbols in order of use.
+const MARKERS: [Marker; 6] = [
+    Marker::Circle,
+    Marker::Square,
+    Marker::Triangle,
+    Marker::Diamond,
+    Marker::Plus,
+    Marker::Cross,
+];
+
 /// Point symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
@@ -133,6 +146,17 @@ impl Series {
     pub fn color(mut self, color: Color) -> Self {
         self.color = Some(color);
         self
+    }
+
+    /// Sets the colour, the line pattern and, of a series with symbols, the point symbol to number
+    /// `index` of each, so that series differ in grey as well.
+    #[must_use]
+    pub fn category(self, index: usize) -> Self {
+        let marker = match self.marker {
+            Marker::None => Marker::None,
+            _ => MARKERS[index % MARKERS.len()],
+        };
+        self.color(Color::category(index)).dash(DASHES[index % DASHES.len()]).marker(marker)
     }
 
     /// Sets the line pattern.

@@ -45,20 +45,27 @@ pub(super) fn frf(
     let columns = [&["frequency_hz"][..], &["real_m_per_n", "real"], &["imag_m_per_n", "imag"]];
     let rows = table.columns(&columns, EXPECTED)?;
     // Lines with too little force are empty, or marked as not valid.
-    let counts =
-        |row: &&[f64; 3]| (band[0]..=band[1]).contains(&row[0]) && row.iter().all(|x| !x.is_nan());
-    let inside: Vec<ReceptanceLine> = rows
-        .iter()
-        .filter(counts)
-        .map(|row| ReceptanceLine {
-            frequency_hz: row[0],
-            value: Complex64::new(row[1], row[2]),
-            deviation: 0.0,
-        })
-        .collect();
+    let counts = |row: &&[f64; 3]| row.iter().all(|x| !x.is_nan());
+    let inside = rows.iter().filter(counts).map(|row| ReceptanceLine {
+        frequency_hz: row[0],
+        value: Complex64::new(row[1], row[2]),
+        deviation: 0.0,
+    });
+    some_lines(&table.path, inside, band, most)
+}
+
+/// The lines in a band, at most `most` of them, evenly spaced.
+pub(super) fn some_lines(
+    path: &Path,
+    lines: impl Iterator<Item = ReceptanceLine>,
+    [low, high]: [f64; 2],
+    most: usize,
+) -> Result<Vec<ReceptanceLine>, IdentificationError> {
+    let inside: Vec<ReceptanceLine> =
+        lines.filter(|line| (low..=high).contains(&line.frequency_hz)).collect();
     if inside.is_empty() {
-        let text = format!("no valid line lies between {} and {} Hz", band[0], band[1]);
-        return Err(table.problem(text, "lines inside band_hz"));
+        let text = format!("no valid line lies between {low} and {high} Hz");
+        return Err(problem(path, text, "lines inside band_hz"));
     }
     let every = inside.len().div_ceil(most);
     Ok(inside.into_iter().step_by(every).collect())

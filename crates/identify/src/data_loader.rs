@@ -1,5 +1,6 @@
 //! Simulated hits and observations of the data of a problem.
 
+mod frf;
 mod hits;
 mod observations;
 
@@ -44,12 +45,7 @@ impl Loader<'_> {
                 Ok(())
             }
             DataSpec::Analysis { .. } => self.analysis(&place, &name, data),
-            DataSpec::Frf { file, hit, band_hz, spread, points, .. } => {
-                check_band(&place, *band_hz)?;
-                let lines = data_files::frf(&table(file), *band_hz, *points)?;
-                let simulated = self.add_hit(&place, &name, &[&hit.set], hit.force_peak_n)?;
-                self.receptance(&place, &name, simulated, &lines, |_| *spread)
-            }
+            DataSpec::Frf { .. } => self.frf(&place, &name, data),
             DataSpec::Backbone { file, index, hit, spread, damping_spread, .. } => {
                 let points = data_files::backbone(&table(file), *index, damping_spread.is_some())?;
                 let simulated = self.add_hit(&place, &name, &[&hit.set], hit.force_peak_n)?;

@@ -94,6 +94,18 @@ pub enum IdentificationError {
         /// The accepted features.
         known: String,
     },
+    /// A receptance without a peak in its band.
+    #[error(
+        "{place}: no peak stands out of the receptance between {low_hz} and {high_hz} Hz; give a `band_hz` around the fundamental"
+    )]
+    NoPeakInBand {
+        /// The data.
+        place: String,
+        /// Lower end of the band \[Hz\].
+        low_hz: f64,
+        /// Upper end of the band \[Hz\].
+        high_hz: f64,
+    },
     /// A feature without standard deviation.
     #[error(
         "{place}: {feature} has no standard deviation; give it with the value, or a floor for {feature}"
@@ -205,6 +217,7 @@ impl IdentificationError {
             Self::NotGiven { .. } => "/given",
             Self::NoLaw { .. } | Self::UnnamedLaw(_) => "/law",
             Self::Feature { place, .. }
+            | Self::NoPeakInBand { place, .. }
             | Self::NoDeviation { place, .. }
             | Self::Contradictory { place, .. }
             | Self::Value { place, .. }

@@ -13,8 +13,12 @@ use asperity_identify::{
 };
 use asperity_inference::ModelAssessment;
 use asperity_law::{ContactLaw, ModifiedPower};
-use asperity_measure::{Format, WriteOptions, write};
+use asperity_measure::{
+    Abscissa, Channel, ChannelQuantity, ChannelUnit, Format, FrfUnits, Origin, Record, Samples,
+    WriteOptions, write,
+};
 use asperity_scenario::Document;
+use asperity_signal::FrfForm;
 use asperity_simulation::assemble::Assembly;
 use asperity_simulation::record::measurement_record;
 use asperity_simulation::run::simulate;
@@ -149,6 +153,32 @@ fn too_few_data_leave_the_law_undecided() {
     assert!(comparison.candidates.iter().any(|candidate| undecided(candidate.assessment)));
 }
 
+/// The receptance of a run as an accelerance in g/N with its coherence, as other programs write it.
+fn of_other_program(run: &asperity_simulation::run::Run) -> Record {
+    let receptance = asperity_simulation::run::receptance(run, 0).unwrap().unwrap();
+    let function = receptance.to(FrfForm::Accelerance);
+    let step = function.frequency_hz[1];
+    let channel = |name: &str, samples: Samples| Channel {
+        name: name.to_owned(),
+        quantity: ChannelQuantity::Unknown,
+        unit: ChannelUnit::Missing,
+        abscissa: Abscissa::Even { start: step, step, quantity: ChannelQuantity::Frequency },
+        origin: Origin {
+            frf: FrfUnits::parse("g/N").filter(|_| samples.real().is_none()),
+            is_coherence: samples.real().is_some(),
+            ..Origin::default()
+        },
+        samples,
+    };
+    let values: Vec<_> = function.values[1..].iter().map(|value| value / 9.806_65).collect();
+    let coherence = vec![0.999; values.len()];
+    let channels = vec![
+        channel("H1", Samples::Complex(values)),
+        channel("coherence", Samples::Real(coherence)),
+    ];
+    Record { channels, ..Record::default() }
+}
+
 /// A run written as a record, a receptance and a backbone gives back its parameters.
 #[test]
 fn records_receptances_and_backbones_give_back_the_parameters() {
@@ -173,6 +203,13 @@ fn records_receptances_and_backbones_give_back_the_parameters() {
     write_text("backbone.csv", analysis.responses[0].backbone_table().to_csv()).unwrap();
     let frf = asperity_simulation::record::frf_columns(&run).unwrap().unwrap();
     write_text("frf.csv", asperity_simulation::record::frf_csv(&frf)).unwrap();
+    write(
+        &folder.path().join("frf.unv"),
+        &[of_other_program(&run)],
+        Format::UniversalText,
+        &options,
+    )
+    .unwrap();
 
     let scenario = document.value().clone();
     let unknowns = json!([
@@ -188,9 +225,14 @@ fn records_receptances_and_backbones_give_back_the_parameters() {
                "spread": {"relative": 1e-3}}),
         json!({"kind": "backbone", "file": "backbone.csv", "hit": hit,
                "spread": {"relative": 1e-4}}),
+        json!({"kind": "frf", "file": "frf.unv", "hit": hit, "band_hz": [700, 1000], "averages": 10}),
+        json!({"kind": "frf", "file": "frf.unv", "hit": hit, "band_hz": [700, 1000], "averages": 10,
+               "features": ["fundamental.frequency_hz", "fundamental.receptance_m_per_n",
+                            "harmonic_ratio"]}),
     ];
-    // A backbone hardly depends on damping; the ends of a record differ for acceleration.
-    for (data, tolerance) in kinds.into_iter().zip([2e-3, 1e-4, 5e-3]) {
+    // A backbone hardly depends on damping; the ends of a record differ for acceleration; the peaks of a
+    // function are known within their standard deviations, of 0.7 % of each line here.
+    for (data, tolerance) in kinds.into_iter().zip([2e-3, 1e-4, 5e-3, 1e-4, 1e-2]) {
         let of_backbone = data["kind"] == "backbone";
         let unknowns = if of_backbone { json!([unknowns[0]]) } else { unknowns.clone() };
         let problem = json!({

@@ -205,6 +205,15 @@ impl ArrayGroup {
                 channels.into_iter().partition(|(_, samples, _)| samples.len() == length);
             channels = rest;
             let mut step = self.step;
+            if self.axis.as_ref().is_none_or(|axis| axis.0.len() != length)
+                && let Some(place) = frequency_axis(&own)
+                && let (heading, Samples::Real(values), epsilon) = own.remove(place)
+            {
+                if heading.quantity() == ChannelQuantity::Unknown {
+                    notices.add(Notice::FrequencyByValues { column: heading.name });
+                }
+                self.axis = Some((values, ChannelQuantity::Frequency, epsilon));
+            }
             let abscissa = match &self.axis {
                 Some((values, quantity, epsilon)) if values.len() == length => {
                     Some(axis_of(values, *quantity, *epsilon, notices))
@@ -303,6 +312,34 @@ impl ArrayGroup {
             ..Record::default()
         }));
     }
+}
+
+/// Names of frequencies beside complex samples.
+const FREQUENCIES: [&str; 8] = ["f", "fr", "hz", "freqs", "frequencies", "faxis", "fvec", "f_hz"];
+
+/// The place of the frequencies of complex samples: of a name for frequencies, else the only real array that
+/// rises evenly from zero or more.
+fn frequency_axis(own: &[(Heading, Samples, f64)]) -> Option<usize> {
+    if !own.iter().any(|(_, samples, _)| matches!(samples, Samples::Complex(_))) {
+        return None;
+    }
+    let rises = |place: &usize| {
+        let (_, samples, epsilon) = &own[*place];
+        let values = samples.real().unwrap_or_default();
+        let is_even = || leading(values, *epsilon, &mut Notices::default()).is_some();
+        values.first().is_some_and(|first| *first >= 0.0) && is_even()
+    };
+    let is_named = |place: &usize| {
+        let (heading, samples, _) = &own[*place];
+        let name = heading.name.to_lowercase();
+        samples.real().is_some_and(|values| values.windows(2).all(|pair| pair[1] > pair[0]))
+            && (FREQUENCIES.contains(&name.as_str())
+                || heading.quantity() == ChannelQuantity::Frequency)
+    };
+    (0..own.len()).find(is_named).or_else(|| {
+        let all: Vec<usize> = (0..own.len()).filter(rises).collect();
+        if let [only] = all[..] { Some(only) } else { None }
+    })
 }
 
 fn axis_of(

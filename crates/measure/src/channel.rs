@@ -217,6 +217,8 @@ pub struct Origin {
     pub reference: Option<DegreeOfFreedom>,
     /// Units of the response and of the excitation, for a frequency response function.
     pub frf: Option<FrfUnits>,
+    /// True if the file calls the samples a coherence.
+    pub is_coherence: bool,
 }
 
 /// Units of a frequency response function: response over excitation.

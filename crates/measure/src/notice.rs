@@ -100,6 +100,12 @@ pub enum Notice {
         /// Its name or number.
         column: String,
     },
+    /// No axis is named frequency; this array beside complex samples was used.
+    #[error("`{column}` was taken as the frequencies in hertz of the complex samples")]
+    FrequencyByValues {
+        /// Its name.
+        column: String,
+    },
     /// The file gives no sample rate; the rate of the options was used.
     #[error("no sample rate in the file; taken as {rate_hz} Hz, as given")]
     RateOfOptions {

@@ -127,7 +127,8 @@ impl<'a> Universal<'a> {
                 date: header.date.clone(),
                 response: header.response.clone(),
                 reference: header.reference.clone(),
-                frf: header.frf_units(),
+                frf: system::frf_units(header, entry.context.system.as_ref()),
+                is_coherence: header.function == header::COHERENCE,
             },
         })
     }

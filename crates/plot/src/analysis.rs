@@ -2,12 +2,16 @@
 
 mod report;
 
-use asperity_experiment::{Analysis, ForceLevel, HitReport, HitStatistics, ResponseAnalysis};
+use asperity_experiment::{
+    Analysis, ForceLevel, HitCurve, HitReport, HitStatistics, ResponseAnalysis,
+};
 use asperity_figure::{Axis, Color, ColorBar, Dash, Figure, Legend, Marker, Panel, Series};
+use asperity_scenario::four_digits;
 use asperity_signal::{BackbonePoint, ResponseKind};
 
 pub use report::analysis_report;
 
+use super::decay::clear;
 use super::figure;
 use super::magnitude::{MagnitudeAxis, phase_axis, phase_line};
 
@@ -24,6 +28,10 @@ const PULSE: (f64, f64) = (1.5, 6.0);
 const OVER_BAND: f64 = 1.1;
 /// Most decays that are drawn.
 const MOST_DECAYS: usize = 48;
+/// Most hits whose records are drawn, spread over the test.
+const MOST_RECORDS: usize = 12;
+/// Time drawn before the trigger over the time after it.
+const TIME_BEFORE: f64 = 0.05;
 
 /// The figures of an analysis with their names; those without anything to draw are left out.
 pub fn figures(analysis: &ResponseAnalysis, axis: MagnitudeAxis) -> Vec<(&'static str, Figure)> {
@@ -56,27 +64,48 @@ fn plain(x: Axis, y: Axis) -> Panel {
     Panel::new(x, y).legend(Legend::None)
 }
 
-/// Force and response of the hits over time.
+/// Force and response of the hits over time, one hit below the other on the same axes.
 fn records(analysis: &ResponseAnalysis, bar: &ColorBar) -> Option<Figure> {
     let (label, unit, scale) = match analysis.response {
-        ResponseKind::Displacement => ("Displacement", "µm", 1e6),
-        ResponseKind::Velocity => ("Velocity", "mm/s", 1e3),
-        ResponseKind::Acceleration => ("Acceleration", "m/s²", 1.0),
+        ResponseKind::Displacement => ("Displ.", "µm", 1e6),
+        ResponseKind::Velocity => ("Vel.", "mm/s", 1e3),
+        ResponseKind::Acceleration => ("Acc.", "m/s²", 1.0),
     };
-    let time = || Axis::linear("Time from trigger", "ms").scale(1e3);
-    let mut force = plain(pulse_time(analysis), Axis::linear("Force", "N"));
-    let mut response = plain(time(), Axis::linear(label, unit).scale(scale)).color_bar(bar.clone());
-    for curve in &analysis.curves {
+    let every = analysis.curves.len().div_ceil(MOST_RECORDS).max(1);
+    let shown: Vec<&HitCurve> = analysis.curves.iter().step_by(every).collect();
+    let reach = |values: fn(&HitCurve) -> &[f64]| {
+        let all = || shown.iter().flat_map(|curve| values(curve).iter().copied());
+        let (low, high) = (all().fold(0.0, f64::min), all().fold(0.0, f64::max));
+        let room = 0.08 * (high - low).max(f64::MIN_POSITIVE);
+        (low - room, high + room)
+    };
+    let (forces, responses) = (reach(|curve| &curve.force.1), reach(|curve| &curve.response.1));
+    let last = shown.iter().filter_map(|curve| curve.response.0.last().copied());
+    let last = 1e3 * last.fold(0.0, f64::max);
+    let panels = shown.iter().enumerate().flat_map(|(place, curve)| {
         let color = bar.color(curve.force_peak_n);
-        force = force.series_if_visible(line(&curve.force.0, &curve.force.1, color));
-        response = response.series_if_visible(line(&curve.response.0, &curve.response.1, color));
-    }
-    figure("Hits over time", 2, 170.0, [force, response])
+        // The title of the time is below the last row.
+        let is_last = place + 1 == shown.len();
+        let title = if is_last { "Time from trigger" } else { "" };
+        let time = Axis::linear(title, if is_last { "ms" } else { "" }).scale(1e3);
+        let time = if last > 0.0 { time.range(-TIME_BEFORE * last, last) } else { time };
+        let up = Axis::linear("Force", "N").range(forces.0, forces.1);
+        let force = plain(pulse_time(analysis, title), up)
+            .title(format!("Hit {}: {} N", curve.index, four_digits(curve.force_peak_n)))
+            .series_if_visible(line(&curve.force.0, &curve.force.1, color));
+        let up = Axis::linear(label, unit).scale(scale);
+        let response = plain(time, up.range(scale * responses.0, scale * responses.1))
+            .series_if_visible(line(&curve.response.0, &curve.response.1, color));
+        [force, response]
+    });
+    let figure = figure("Hits over time", 2, 170.0, panels)?;
+    let height = if shown.len() == 1 { 50.0 } else { 32.0 };
+    Some(figure.row_height_mm(height).tags(false))
 }
 
 /// Time axis of the force: some widths of the longest pulse.
-fn pulse_time(analysis: &ResponseAnalysis) -> Axis {
-    let axis = Axis::linear("Time from trigger", "ms").scale(1e3);
+fn pulse_time(analysis: &ResponseAnalysis, title: &str) -> Axis {
+    let axis = Axis::linear(title, if title.is_empty() { "" } else { "ms" }).scale(1e3);
     let widths = analysis.report.hits.iter().filter_map(|hit| hit.pulse_width_s);
     let width = 1e3 * widths.fold(0.0, f64::max);
     let ends = analysis.curves.iter().filter_map(|curve| curve.force.0.last().copied());
@@ -180,11 +209,11 @@ pub fn responses(analysis: &Analysis, axis: MagnitudeAxis) -> Option<Figure> {
         let value = |k: &usize| response.average.frf.values[*k];
         let y: Vec<f64> = lines.iter().map(|k| axis.value(value(k).norm())).collect();
         let angle: Vec<f64> = lines.iter().map(|k| value(k).arg()).collect();
-        let color = Color::category(number);
-        let name = response.name();
-        magnitude = magnitude.series_if_visible(Series::line(name, &x, &y).color(color).width(0.8));
+        let line =
+            |name: &str, x: &[f64], y: &[f64]| Series::line(name, x, y).category(number).width(0.8);
+        magnitude = magnitude.series_if_visible(line(response.name(), &x, &y));
         let (x, y) = phase_line(&x, &angle);
-        phase = phase.series_if_visible(Series::line("", &x, &y).color(color).width(0.8));
+        phase = phase.series_if_visible(line("", &x, &y));
     }
     Some(figure("Responses", 1, 150.0, [magnitude, phase])?.row_height_mm(58.0))
 }
@@ -221,7 +250,7 @@ fn features(analysis: &ResponseAnalysis) -> Option<Figure> {
         |hit| hit.fundamental?.frequency_uncertainty_hz,
         Color::BLUE,
     ));
-    let amplitude = panel("Amplitude A_{1}", "m/N", 1.0).series_if_visible(series(
+    let amplitude = panel("Amplitude A_{1}", "nm/N", 1e9).series_if_visible(series(
         "",
         |hit| Some(hit.fundamental?.magnitude),
         |hit| hit.fundamental?.magnitude_uncertainty,
@@ -278,7 +307,7 @@ fn of_levels(
     panel.series_if_visible(Series::line("", x, y).color(Color::GREY).dash(Dash::Dashed))
 }
 
-/// Frequency and damping along the decays.
+/// Frequency and damping along the decays, until they are noise.
 fn backbones(analysis: &ResponseAnalysis, bar: &ColorBar) -> Option<Figure> {
     let amplitude = || Axis::log("Amplitude", "m");
     let mut frequency = plain(amplitude(), Axis::linear("Frequency", "Hz"));
@@ -286,7 +315,12 @@ fn backbones(analysis: &ResponseAnalysis, bar: &ColorBar) -> Option<Figure> {
     let mut damping = plain(amplitude(), up).color_bar(bar.clone());
     let every = analysis.backbones.len().div_ceil(MOST_DECAYS).max(1);
     for of in analysis.backbones.iter().step_by(every) {
-        let column = |value: fn(&BackbonePoint) -> f64| of.points.iter().map(value).collect();
+        let noise = |at: usize| {
+            let deviation = of.uncertainties.get(at).map_or(0.0, |one| one.damping_ratio);
+            deviation / of.points[at].damping_ratio.abs()
+        };
+        let points = &of.points[..clear(of.points.len(), noise)];
+        let column = |value: fn(&BackbonePoint) -> f64| points.iter().map(value).collect();
         let x: Vec<f64> = column(|point| point.amplitude);
         let line = |y: Vec<f64>| line(&x, &y, bar.color(of.force_peak_n)).width(0.8);
         frequency = frequency.series_if_visible(line(column(|point| point.frequency_hz)));

@@ -4,22 +4,42 @@ use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
 use asperity_simulation::quantity::Quantity;
 use asperity_study::{FrfBand, ObservableAnswers, StudyAnswers};
 
-use super::figure;
-use super::identification::{fitted, short};
+use super::axes::{pointer_words, quantity_axis};
+use super::{figure, fitted};
 
 /// Width of a figure.
 const WIDTH_MM: f64 = 190.0;
 
 /// Most characters of a label of a panel.
-const MOST_LABEL: usize = 40;
+const MOST_LABEL: usize = 50;
 
 /// Most characters of the name of an input.
-const MOST_NAME: usize = 20;
+const MOST_NAME: usize = 24;
+
+/// Quantities of the computation, which are not drawn.
+const NUMERICS: [Quantity; 5] = [
+    Quantity::EnergyNumericalLoss,
+    Quantity::EnergyResidual,
+    Quantity::Step,
+    Quantity::Steps,
+    Quantity::EstimatedError,
+];
 
 /// The figures with their names; those without anything to draw are left out.
 pub fn answers(found: &StudyAnswers, inputs: &[String]) -> Vec<(&'static str, Figure)> {
+    // What the solver did is in the tables.
+    let is_drawn = |one: &&ObservableAnswers| {
+        let quantity = Quantity::of_name(&one.name).map(|found| found.0);
+        !quantity.is_some_and(|quantity| NUMERICS.contains(&quantity))
+    };
     let panels = |panel: &dyn Fn(&ObservableAnswers) -> Option<Panel>| -> Vec<Panel> {
-        found.observables.iter().filter_map(panel).collect()
+        found.observables.iter().filter(is_drawn).filter_map(panel).collect()
+    };
+    // One legend is enough.
+    let panels_with_legend = |panel: &dyn Fn(&ObservableAnswers) -> Option<Panel>| {
+        let all = panels(panel).into_iter().enumerate();
+        let place = |index: usize| if index == 0 { Legend::Above } else { Legend::None };
+        all.map(|(index, panel)| panel.legend(place(index))).collect::<Vec<_>>()
     };
     let row_mm = 16.0 + 6.0 * inputs.len() as f64;
     let all = [
@@ -36,7 +56,7 @@ pub fn answers(found: &StudyAnswers, inputs: &[String]) -> Vec<(&'static str, Fi
         ),
         (
             "sobol-indices",
-            figure("Sobol indices", 2, WIDTH_MM, panels(&|one| indices(one, inputs))),
+            figure("Sobol indices", 2, WIDTH_MM, panels_with_legend(&|one| indices(one, inputs))),
             row_mm.max(40.0),
         ),
     ];
@@ -58,8 +78,10 @@ fn frf(found: &FrfBand) -> Panel {
 
 /// Axis of an observable.
 fn axis(one: &ObservableAnswers) -> Axis {
-    let label = Quantity::of_name(&one.name).map_or(one.name.as_str(), |found| found.0.label());
-    Axis::linear(fitted(label, MOST_LABEL), one.unit())
+    match Quantity::of_name(&one.name) {
+        Some((quantity, _)) => quantity_axis(quantity, fitted(quantity.label(), MOST_LABEL)),
+        None => super::axes::axis(fitted(&one.name, MOST_LABEL), one.unit()),
+    }
 }
 
 /// The name of the interface, where the observable has one.
@@ -124,7 +146,10 @@ fn exceedance(one: &ObservableAnswers) -> Option<Panel> {
 fn indices(one: &ObservableAnswers, inputs: &[String]) -> Option<Panel> {
     let found = one.indices.as_ref()?;
     let place = |input: usize| (inputs.len() - input) as f64;
-    let ticks = inputs.iter().enumerate().map(|(at, name)| (place(at), short(name, MOST_NAME)));
+    let ticks = inputs
+        .iter()
+        .enumerate()
+        .map(|(at, name)| (place(at), fitted(&pointer_words(name).0, MOST_NAME)));
     let x_axis = Axis::linear("Sobol index", "").range(-0.2, 1.2);
     let y_axis = Axis::linear("Input", "").range(0.4, inputs.len() as f64 + 0.6).ticks(ticks);
     let label = Quantity::of_name(&one.name).map_or(one.name.as_str(), |found| found.0.label());
@@ -151,5 +176,5 @@ fn indices(one: &ObservableAnswers, inputs: &[String]) -> Option<Panel> {
             .series(Series::line("", x, y).color(color).width(0.9))
             .series(points.filled(order == "total").marker_size(4.0));
     }
-    Some(panel.legend(Legend::Above))
+    Some(panel)
 }

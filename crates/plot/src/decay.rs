@@ -3,7 +3,7 @@
 mod report;
 
 use asperity_experiment::{DecayAnalysis, DecayCurve, DecayOutline};
-use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
+use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series};
 use asperity_signal::DecayPoint;
 
 pub use report::decay_report;
@@ -13,8 +13,10 @@ use super::figure;
 /// Most bands with panels of their own, and most curves of a panel.
 const MOST_BANDS: usize = 6;
 const MOST_CURVES: usize = 48;
-/// Largest standard deviation of the damping ratio of a point that is drawn, over the ratio.
-const MOST_NOISE: f64 = 0.2;
+/// Standard deviation of a damping ratio over the ratio from which on a point is noise.
+const MOST_NOISE: f64 = 0.05;
+/// Points of which more than half are noise where a backbone ends.
+const END: usize = 16;
 
 /// The figures of free decays with their names; those without anything to draw are left out.
 pub fn decay_figures(analysis: &DecayAnalysis) -> Vec<(&'static str, Figure)> {
@@ -75,8 +77,23 @@ impl AmplitudeAxis {
     }
 }
 
-/// Curves of a band, each with its colour by response and, where it is the first of that, its name.
-fn named(analysis: &DecayAnalysis, band: usize) -> Vec<(&DecayCurve, Color, &str)> {
+/// Number of the first points of a backbone that are drawn, of `count` in the order of time: until most of
+/// the following ones are noise. A beat does not end it.
+///
+/// - `noise`: standard deviation of the damping ratio of a point over the ratio.
+pub(super) fn clear(count: usize, noise: impl Fn(usize) -> f64) -> usize {
+    let is_noise = |at: usize| noise(at) >= MOST_NOISE || noise(at).is_nan();
+    let ends = |from: usize| {
+        let next = from..(from + END).min(count);
+        let noisy = next.clone().filter(|&at| is_noise(at)).count();
+        is_noise(from) && 2 * noisy > next.len()
+    };
+    (0..count).find(|&from| ends(from)).unwrap_or(count)
+}
+
+/// Curves of a band, each with its place among the responses and, where it is the first of its response,
+/// its name.
+fn named(analysis: &DecayAnalysis, band: usize) -> Vec<(&DecayCurve, usize, &str)> {
     let mut responses: Vec<&str> = Vec::new();
     let drawn: Vec<&DecayCurve> = analysis
         .curves
@@ -94,13 +111,13 @@ fn named(analysis: &DecayAnalysis, band: usize) -> Vec<(&DecayCurve, Color, &str
                 responses.push(&curve.response);
             }
             let name = if known.is_none() { curve.response.as_str() } else { "" };
-            (curve, Color::category(place), name)
+            (curve, place, name)
         })
         .collect()
 }
 
-/// Frequency and damping over amplitude, with two standard deviations due to noise as an area; without
-/// the points whose damping is noise.
+/// Frequency and damping over amplitude, with two standard deviations due to noise as an area, until they
+/// are noise.
 fn backbones(analysis: &DecayAnalysis) -> Option<Figure> {
     let amplitude = AmplitudeAxis::of(&analysis.curves);
     let bands = analysis.report.settings.bands_hz.len().min(MOST_BANDS);
@@ -108,21 +125,23 @@ fn backbones(analysis: &DecayAnalysis) -> Option<Figure> {
         let mut frequency = Panel::new(amplitude.axis(), Axis::linear("Frequency", "Hz"));
         let up = Axis::linear("Damping ratio", "%").scale(100.0);
         let mut damping = Panel::new(amplitude.axis(), up).legend(Legend::None);
-        for (curve, color, name) in named(analysis, band) {
+        for (curve, place, name) in named(analysis, band) {
             // The noise of the smallest amplitudes would set the scale.
-            let is_clear = |one: &&DecayPoint| {
-                one.uncertainty.damping_ratio < MOST_NOISE * one.point.damping_ratio.abs()
+            let noise = |at: usize| {
+                let one = &curve.points[at];
+                one.uncertainty.damping_ratio / one.point.damping_ratio.abs()
             };
+            let points = &curve.points[..clear(curve.points.len(), noise)];
             let column = |value: &dyn Fn(&DecayPoint) -> f64| -> Vec<f64> {
-                curve.points.iter().filter(is_clear).map(value).collect()
+                points.iter().map(value).collect()
             };
             let x = column(&|one| amplitude.value(curve, one));
             let with_area = |panel: Panel, name: &str, y: Vec<f64>, sigma: Vec<f64>| {
                 let low: Vec<f64> = y.iter().zip(&sigma).map(|(y, s)| y - 2.0 * s).collect();
                 let high: Vec<f64> = y.iter().zip(&sigma).map(|(y, s)| y + 2.0 * s).collect();
                 panel
-                    .series_if_visible(Series::band("", &x, low, high).color(color))
-                    .series_if_visible(Series::line(name, &x, y).color(color).width(0.8))
+                    .series_if_visible(Series::band("", &x, low, high).category(place))
+                    .series_if_visible(Series::line(name, &x, y).category(place).width(0.8))
             };
             frequency = with_area(
                 frequency,
@@ -149,18 +168,36 @@ fn harmonics(analysis: &DecayAnalysis) -> Option<Figure> {
     let panels = (1..=bands).flat_map(|band| {
         [("Ratio A_{2}/A_{1}", 0), ("Ratio A_{3}/A_{1}", 1)].map(|(label, order)| {
             let mut panel = Panel::new(amplitude.axis(), Axis::log(label, ""));
-            for (curve, color, name) in named(analysis, band) {
+            for (curve, place, name) in named(analysis, band) {
                 let found = curve
                     .points
                     .iter()
                     .filter_map(|one| Some((amplitude.value(curve, one), one.harmonics[order]?)));
                 let (x, of): (Vec<f64>, Vec<_>) = found.unzip();
                 let y: Vec<f64> = of.iter().map(|harmonic| harmonic.ratio).collect();
-                let line = Series::line(name, x, y).color(color).dash(Dash::Solid).width(0.8);
+                let line = Series::line(name, x, y).category(place).width(0.8);
                 panel = panel.series_if_visible(line);
             }
             panel
         })
     });
     figure("Harmonics along the decays", 2, 170.0, panels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_backbone_ends_where_noise_begins_and_not_at_a_beat() {
+        let noise = |at: usize| match at {
+            30..34 => 0.5,
+            80.. if !at.is_multiple_of(4) => 0.3,
+            _ => 0.01,
+        };
+        assert!((78..=81).contains(&clear(200, noise)), "{}", clear(200, noise));
+        assert_eq!(clear(60, noise), 60);
+        assert_eq!(clear(0, noise), 0);
+        assert_eq!(clear(5, |_| f64::NAN), 0);
+    }
 }

@@ -47,32 +47,9 @@ pub(super) fn percent(probability: f64) -> String {
     format!("{} %", text.trim_end_matches('0').trim_end_matches('.'))
 }
 
-/// The text, cut to `most` characters.
-pub(super) fn fitted(text: &str, most: usize) -> String {
-    if text.chars().count() <= most {
-        return text.to_owned();
-    }
-    let kept: String = text.chars().take(most.saturating_sub(1)).collect();
-    format!("{}…", kept.trim_end())
-}
-
-/// The name of a parameter for an axis: of a JSON Pointer the last key.
-pub(super) fn short(name: &str, most: usize) -> String {
-    let last = if name.starts_with('/') { name.rsplit('/').next().unwrap_or(name) } else { name };
-    fitted(&last.replace("~1", "/").replace("~0", "~"), most)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn parameters_have_short_names() {
-        assert_eq!(short("/laws/modified/exponent", 20), "exponent");
-        assert_eq!(short("/laws/a~1b", 20), "a/b");
-        assert_eq!(short("modified: step 1", 20), "modified: step 1");
-        assert_eq!(short("a rather long name", 8), "a rathe…");
-    }
 
     #[test]
     fn percentages_have_no_trailing_zeros() {

@@ -10,6 +10,7 @@
 //! | laws, modes | [`laws`], [`modes`] | |
 //! | steady responses | [`steady`] | [`steady_report`], in the words of [`steady_words`] |
 //! | measured hits | [`figures`], [`responses`] | [`analysis_report`] |
+//! | functions of a file | [`frf_file`] | |
 //! | free decays | [`decay_figures`] | [`decay_report`] |
 //! | identification | [`identification`] | [`identification_report`] |
 //! | study | [`answers`] | |
@@ -28,7 +29,9 @@
 
 mod analysis;
 mod answers;
+mod axes;
 mod decay;
+mod frf_file;
 mod identification;
 mod magnitude;
 mod response;
@@ -42,12 +45,29 @@ use asperity_figure::{Figure, Panel};
 pub use analysis::{analysis_report, figures, responses};
 pub use answers::answers;
 pub use decay::{decay_figures, decay_report};
+pub use frf_file::frf_file;
 pub use identification::{identification, identification_report, measurement};
 pub use magnitude::MagnitudeAxis;
 pub use response::{frf, history};
 pub use steady::{steady, steady_report};
 pub use structure::{laws, modes};
 pub use sweep::sweep;
+
+/// The text, cut to `most` characters.
+fn fitted(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    let kept: String = text.chars().take(most.saturating_sub(1)).collect();
+    format!("{}…", kept.trim_end())
+}
+
+/// The text with a capital first.
+fn capital(text: &str) -> String {
+    let mut characters = text.chars();
+    let first = characters.next().map(|first| first.to_uppercase().collect::<String>());
+    first.unwrap_or_default() + characters.as_str()
+}
 
 /// A figure of the panels that have a series; none without any.
 fn figure(

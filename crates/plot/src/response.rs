@@ -1,6 +1,6 @@
 //! Histories and receptance of one run.
 
-use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
+use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series};
 use asperity_scenario::SensorKind;
 use asperity_signal::{Frf, decay_length};
 use asperity_simulation::record::motions;
@@ -28,9 +28,8 @@ pub fn history<S>(run: &Run<S>) -> Figure {
     let mut pressures = Panel::new(time(), Axis::linear("Contact pressure", "MPa").scale(1e-6));
     let interfaces = run.summary.interfaces.iter();
     for (index, (interface, columns)) in interfaces.zip(&history.interfaces).enumerate() {
-        let dash = if index == 0 { Dash::Solid } else { Dash::Dashed };
         let line = Series::line(&interface.name, &history.time, &columns.pressure);
-        pressures = pressures.series(line.color(Color::category(index)).dash(dash));
+        pressures = pressures.series(line.category(index));
     }
     let load = match run.assembly.load.base() {
         None => single("Force", "N", 1.0, &history.load),
@@ -77,7 +76,7 @@ pub fn frf(frf: &Frf, summary: &Summary, axis: MagnitudeAxis) -> Figure {
     let shown: Vec<f64> = magnitude.iter().map(|value| axis.value(*value)).collect();
     let per_base = |peak: Fundamental| matches!(peak.amplitude, Amplitude::PerBase { .. });
     let (label, unit) = if summary.fundamental.is_some_and(per_base) {
-        ("Relative displacement per base acceleration", "s²")
+        ("Displacement per base acceleration", "s²")
     } else {
         ("Receptance", "m/N")
     };

@@ -4,7 +4,7 @@ mod report;
 
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
 use asperity_harmonic::{Branch, PeriodicResponse, SpecialPointKind};
-use asperity_simulation::steady::Steady;
+use asperity_simulation::steady::{Steady, TimeSweepPoint};
 
 pub use report::steady_report;
 
@@ -26,19 +26,21 @@ pub fn steady(found: &Steady) -> Option<Figure> {
     if branches.is_empty() {
         return None;
     }
-    let backbones: Vec<(&str, &Branch, Dash)> = found
+    let backbones: Vec<(&str, &Branch, Dash, f64)> = found
         .backbones
         .iter()
         .flat_map(|found| {
             [
-                ("phase resonance", &found.phase_resonance, Dash::DashDot),
-                ("damped mode", &found.mode, Dash::Dotted),
+                ("damped mode", &found.mode, Dash::Solid, 2.0),
+                ("phase resonance", &found.phase_resonance, Dash::DashDot, 0.8),
             ]
         })
-        .filter_map(|(name, outcome, dash)| Some((name, outcome.as_ref().ok()?, dash)))
+        .filter_map(|(name, outcome, dash, width)| {
+            Some((name, outcome.as_ref().ok()?, dash, width))
+        })
         .collect();
     let drawn = branches.iter().map(|(_, branch)| *branch);
-    let drawn = drawn.chain(backbones.iter().map(|(_, branch, _)| *branch));
+    let drawn = drawn.chain(backbones.iter().map(|(_, branch, ..)| *branch));
     let (low, high) = drawn
         .flat_map(|branch| &branch.points)
         .map(PeriodicResponse::frequency_hz)
@@ -49,20 +51,23 @@ pub fn steady(found: &Steady) -> Option<Figure> {
     };
     let amplitude = Axis::linear("Amplitude u_{1}", "µm").scale(1e6);
     let mut amplitude = panel(amplitude, |point| point.at_sensor(0, 1).norm());
-    for (name, marker, rising) in SWEEPS {
-        let sweeps = found.time_sweeps.iter().filter(|sweep| sweep.rising == rising);
-        let points =
-            sweeps.flat_map(|sweep| sweep.outcome.as_ref().map_or(&[][..], |points| points));
-        let (x, y): (Vec<f64>, Vec<f64>) =
-            points.map(|point| (point.frequency_hz, point.amplitude_1_m)).unzip();
-        if !x.is_empty() {
-            let series = Series::points(name, x, y).color(Color::BLACK).marker(marker);
-            amplitude = amplitude.series(series.filled(false).marker_size(2.5));
+    for (mut name, marker, rising) in SWEEPS {
+        for sweep in found.time_sweeps.iter().filter(|sweep| sweep.rising == rising) {
+            let points = sweep.outcome.as_ref().map_or(&[][..], |points| points);
+            let (x, y) = some(points, usize::from(rising));
+            let level = branches.iter().position(|(force, _)| *force == sweep.force_n);
+            let color = level.map_or(Color::BLACK, |at| Color::ramp_step(at, branches.len()));
+            let series = Series::points(std::mem::take(&mut name), x, y).color(color);
+            let series = series.marker(marker).filled(true).marker_size(2.8);
+            amplitude = amplitude.series_if_visible(series);
         }
     }
-    for (name, branch, dash) in backbones {
+    for (name, branch, dash, width) in backbones {
         let (x, y) = columns(&branch.points, |point| point.at_sensor(0, 1).norm());
-        amplitude = amplitude.series(Series::line(name, x, y).color(Color::BLACK).dash(dash));
+        // Both coincide but for small differences: the wider one is paler.
+        let color = if width > 1.0 { Color::GREY.lighten(0.5) } else { Color::BLACK };
+        let line = Series::line(name, x, y).color(color).dash(dash);
+        amplitude = amplitude.series(line.width(width));
     }
     let ratio = panel(Axis::linear("Ratio u_{2}/u_{1}", ""), |point| {
         (point.at_sensor(0, 2) / point.at_sensor(0, 1)).norm()
@@ -98,11 +103,34 @@ fn all(mut panel: Panel, branches: &[(f64, &Branch)], unit: &str, observable: Ob
     panel
 }
 
-/// Stepped sines by time integration: name, symbol, and whether the frequency rises.
+/// Stepped sines by time integration: name, symbol, and whether the frequency rises. The colour is that
+/// of the branch of the same force.
 const SWEEPS: [(&str, Marker, bool); 2] = [
     ("time integration, up", Marker::Triangle, true),
-    ("time integration, down", Marker::Circle, false),
+    ("time integration, down", Marker::Plus, false),
 ];
+
+/// Symbols of a stepped sine, beside those at its jumps: the branch stays visible between them.
+const MOST_SYMBOLS: usize = 20;
+
+/// Change of the amplitude from one frequency to the next that is a jump, over the largest amplitude.
+const JUMP: f64 = 0.15;
+
+/// Frequencies and amplitudes of some points of a stepped sine: of equal distance, shifted by the half of
+/// it where `half` is 1, and at both sides of jumps.
+fn some(points: &[TimeSweepPoint], half: usize) -> (Vec<f64>, Vec<f64>) {
+    let every = points.len().div_ceil(MOST_SYMBOLS).max(1);
+    let largest = points.iter().map(|point| point.amplitude_1_m).fold(0.0, f64::max);
+    let jumps = |at: usize| {
+        let pair = points.get(at).zip(points.get(at + 1));
+        pair.is_some_and(|(a, b)| (b.amplitude_1_m - a.amplitude_1_m).abs() > JUMP * largest)
+    };
+    let is_shown = |at: &usize| {
+        (at + half * every / 2).is_multiple_of(every) || jumps(*at) || (*at > 0 && jumps(at - 1))
+    };
+    let shown = (0..points.len()).filter(is_shown);
+    shown.map(|at| (points[at].frequency_hz, points[at].amplitude_1_m)).unzip()
+}
 
 /// A symbol for points of a branch.
 struct Mark {

@@ -1,6 +1,7 @@
 //! Laws and mode shapes.
 
-use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
+use asperity_figure::{Axis, Figure, Legend, Panel, Series};
+use asperity_scenario::four_digits;
 use asperity_simulation::laws::LawTable;
 use asperity_simulation::modes::LinearisedModes;
 
@@ -10,28 +11,41 @@ pub fn laws(tables: &[LawTable]) -> Figure {
     let mut stiffness = Panel::new(pressure(), Axis::linear("Contact stiffness", "Pa/m"));
     let mut closure = Panel::new(Axis::linear("Closure", "µm").scale(1e6), pressure());
     for (index, law) in tables.iter().enumerate() {
-        let style = |series: Series| {
-            let dash = [Dash::Solid, Dash::Dashed, Dash::DashDot][index % 3];
-            series.color(Color::category(index)).dash(dash)
-        };
         let name = law.name.as_str();
-        stiffness = stiffness.series(style(Series::line(name, &law.pressure, &law.stiffness)));
-        closure = closure.series(style(Series::line(name, &law.closure, &law.pressure)));
+        let line = Series::line(name, &law.pressure, &law.stiffness);
+        stiffness = stiffness.series(line.category(index));
+        closure = closure.series(Series::line("", &law.closure, &law.pressure).category(index));
     }
     Figure::new("Contact laws").panel(stiffness).panel(closure).columns(2).width_mm(170.0)
 }
 
-/// Displacement along the stack, a line per mode.
+/// Displacement along the stack over its largest, a line per mode, broken at the interfaces.
 pub fn modes(found: &LinearisedModes) -> Figure {
     let mut panel = Panel::new(
         Axis::linear("Distance from the top", "mm").scale(1e3),
         Axis::linear("Displacement over its largest", ""),
     )
     .legend(Legend::Above);
+    // The two sides of an interface are at one position.
+    let interfaces: Vec<usize> = (1..found.positions.len())
+        .filter(|&at| found.positions[at] <= found.positions[at - 1])
+        .collect();
+    let broken = |values: &[f64], gap: &dyn Fn(usize) -> f64, factor: f64| -> Vec<f64> {
+        let value = |(at, value): (usize, &f64)| {
+            let gap = interfaces.contains(&at).then(|| gap(at));
+            gap.into_iter().chain([factor * value])
+        };
+        values.iter().enumerate().flat_map(value).collect()
+    };
+    let x = broken(&found.positions, &|at| found.positions[at], 1.0);
     for (index, (mode, shape)) in found.modes.iter().zip(&found.shapes).take(8).enumerate() {
-        let name = format!("{:.1} Hz", mode.frequency_hz);
-        panel =
-            panel.series(Series::line(name, &found.positions, shape).color(Color::category(index)));
+        let largest = shape.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        let y = broken(shape, &|_| f64::NAN, if largest > 0.0 { 1.0 / largest } else { 1.0 });
+        let name = format!("{} Hz", four_digits(mode.frequency_hz));
+        panel = panel.series(Series::line(name, &x, y).category(index));
+    }
+    for at in interfaces {
+        panel = panel.vertical(found.positions[at], "");
     }
     Figure::new("Mode shapes about static equilibrium").panel(panel).width_mm(120.0)
 }

@@ -1,15 +1,18 @@
 //! Results of a sweep over its first numeric variation.
 
-use std::collections::BTreeMap;
-
-use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series};
+use asperity_figure::{Figure, Legend, Panel, Series};
 use asperity_simulation::quantity::Quantity;
 use asperity_simulation::sweep::{Sweep, Variation};
 
-use super::figure;
+use super::axes::{pointer_axis, pointer_value, quantity_axis};
+use super::{figure, fitted};
 
 /// Most lines of one panel: more colours cannot be told apart.
 const MOST_LINES: usize = 7;
+
+/// Most characters of the words of an axis, and of the name of a line.
+const MOST_LABEL: usize = 40;
+const MOST_NAME: usize = 44;
 
 /// Most points of a line; of more runs, every so many are drawn.
 const MOST_POINTS: usize = 500;
@@ -22,29 +25,35 @@ const DRAWN: [Quantity; 4] = [
     Quantity::PressureMin,
 ];
 
-/// A panel per observable, a line per combination of the other variations;
+/// A panel per observable, a line per combination of the other variations in their order;
 /// none if no variation is numeric.
 pub fn sweep(sweep: &Sweep) -> Option<Figure> {
     let numeric = |variation: &Variation| {
         variation.values.len() > 1 && variation.values.iter().all(|v| v.parse::<f64>().is_ok())
     };
     let across = sweep.variations.iter().position(numeric)?;
-    let mut lines: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    let mut lines: Vec<(String, Vec<usize>)> = Vec::new();
     for run in 0..sweep.runs.len() {
         let values = sweep.values(run);
         let others = values.iter().enumerate().filter(|(index, _)| *index != across);
-        let name: Vec<&str> = others.map(|(_, value)| *value).collect();
-        lines.entry(name.join(", ")).or_default().push(run);
+        let text =
+            |(index, value): (usize, &&str)| pointer_value(&sweep.variations[index].pointer, value);
+        let name = others.map(text).collect::<Vec<_>>().join(", ");
+        match lines.iter_mut().find(|line| line.0 == name) {
+            Some(line) => line.1.push(run),
+            None => lines.push((name, vec![run])),
+        }
     }
-    let key = sweep.variations[across].pointer.rsplit('/').next().unwrap_or_default();
-    let panels = DRAWN.map(|quantity| {
+    let panels = DRAWN.iter().enumerate().map(|(place, &quantity)| {
         let is_drawn = |column: &usize| {
             Quantity::of_name(&sweep.columns[*column]).is_some_and(|(found, _)| found == quantity)
         };
         let columns: Vec<usize> = (0..sweep.columns.len()).filter(is_drawn).collect();
-        let axis = Axis::linear(quantity.label(), quantity.unit());
-        let mut panel = Panel::new(Axis::linear(key, ""), axis);
-        panel = panel.legend(if lines.len() > 1 { Legend::Auto } else { Legend::None });
+        let x_axis = pointer_axis(&sweep.variations[across].pointer, MOST_LABEL);
+        let mut panel = Panel::new(x_axis, quantity_axis(quantity, quantity.label()));
+        // One legend is enough.
+        let is_named = lines.len() > 1 && place == 0;
+        panel = panel.legend(if is_named { Legend::Auto } else { Legend::None });
         for (index, (name, runs)) in lines.iter().take(MOST_LINES).enumerate() {
             let every = runs.len().div_ceil(MOST_POINTS);
             let points = runs.iter().step_by(every).filter_map(|&run| {
@@ -54,7 +63,7 @@ pub fn sweep(sweep: &Sweep) -> Option<Figure> {
                 Some((x, found.filter(|y| !y.is_nan()).reduce(f64::min)?))
             });
             let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
-            let series = Series::line_points(name.as_str(), x, y).color(Color::category(index));
+            let series = Series::line_points(fitted(name, MOST_NAME), x, y).category(index);
             panel = panel.series_if_visible(series);
         }
         panel

@@ -91,4 +91,4 @@ pub use structure_scenario::{
 pub use validate::{
     MAX_CELLS, MAX_HISTORY_NUMBERS, MAX_STEPS, MIN_SAMPLES, validate, validate_json,
 };
-pub use wording::four_digits;
+pub use wording::{digits_apart, four_digits, with_digits};

@@ -17,8 +17,33 @@ const MAX_LIST: usize = 24;
 /// assert_eq!(four_digits(0.25), "0.25");
 /// ```
 pub fn four_digits(value: f64) -> String {
-    let digits = format!("{value:.3e}");
-    digits.parse().map_or(digits, number)
+    with_digits(value, 4)
+}
+
+/// The number of significant digits, at least `least` and at most 12, with which values are told from each
+/// other: the smallest difference of two neighbours has one digit or more. Equal values and values that
+/// are not finite do not count.
+///
+/// ```
+/// use asperity_scenario::digits_apart;
+///
+/// assert_eq!(digits_apart(&[946.12, 946.65, 951.0], 4), 5);
+/// assert_eq!(digits_apart(&[1.0, 2.0], 4), 4);
+/// ```
+pub fn digits_apart(values: &[f64], least: usize) -> usize {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let largest = sorted.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let gaps = sorted.windows(2).map(|pair| pair[1] - pair[0]);
+    let gap = gaps.filter(|gap| *gap > 1e-12 * largest).fold(f64::INFINITY, f64::min);
+    let digits = (largest / gap).log10().ceil() + 1.0;
+    (digits.clamp(0.0, 12.0) as usize).max(least)
+}
+
+/// Number to `digits` significant digits, with an exponent outside 1e-3 to 1e6.
+pub fn with_digits(value: f64, digits: usize) -> String {
+    let text = format!("{value:.*e}", digits.saturating_sub(1));
+    text.parse().map_or(text, number)
 }
 
 /// Number in its shortest form, with an exponent outside 1e-3 to 1e6.

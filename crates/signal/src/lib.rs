@@ -89,6 +89,7 @@ mod receptance_features;
 mod response;
 mod ring_down;
 mod root;
+mod sampled_peak;
 mod shared_force;
 mod spectra;
 mod spectrum;
@@ -136,6 +137,7 @@ pub use ring_down::{
     Backbone, BackboneOptions, BackbonePoint, BackboneUncertainty, BandPass, analytic_signal,
     backbone,
 };
+pub use sampled_peak::SampledPeak;
 pub use shared_force::SharedForce;
 pub use spectrum::{Spectrum, fast_length};
 pub use transform::{transform_at, transform_pair_at};

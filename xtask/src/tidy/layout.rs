@@ -18,7 +18,7 @@ const SHORT: [(&str, &str); 12] = [
     ("crates/cli/src/command/man.rs", "one command a file"),
     ("crates/cli/src/command/modes.rs", "one command a file"),
     ("crates/cli/src/command/schema.rs", "one command a file"),
-    ("crates/plot/src/structure.rs", "one figure a file"),
+    ("crates/plot/src/frf_file.rs", "one figure a file"),
     ("crates/dynamics/src/finite_difference/ledger.rs", "energy of the grid"),
     ("crates/harmonic/src/vector_instructions.rs", "used by sums and factorisation"),
     ("crates/law/src/domain.rs", "used by all laws"),

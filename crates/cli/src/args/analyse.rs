@@ -11,7 +11,7 @@ use asperity_measure::{Format, InvalidCells, ReadOptions, SampleAxis};
 use asperity_signal::{FrfEstimator, FrfForm};
 use clap::{Args as Group, ValueEnum};
 
-use super::figures::{FigureOptions, MagnitudeAxis};
+use super::figures::{FigureOptions, MagnitudeAxis, figure_file};
 
 /// Files to analyse, and the options of the analysis.
 #[derive(Debug, Group)]
@@ -154,7 +154,16 @@ pub(crate) struct Inspect {
     #[arg(long, value_name = "FILE")]
     pub(crate) write_rig: Option<PathBuf>,
 
-    /// Replace that file if it exists.
+    /// Also draw the frequency response functions of the first file as receptances with their coherences, to a
+    /// file .svg, .pdf or .png.
+    #[arg(long, value_name = "FIGURE", value_parser = figure_file)]
+    pub(crate) draw: Option<PathBuf>,
+
+    /// Unit of these functions where the file gives none, such as m/s^2/N.
+    #[arg(long, value_name = "UNIT", requires = "draw")]
+    pub(crate) frf_unit: Option<String>,
+
+    /// Replace these files if they exist.
     #[arg(long)]
     pub(crate) overwrite: bool,
 

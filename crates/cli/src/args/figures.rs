@@ -1,6 +1,8 @@
 //! The options of figures.
 #![allow(clippy::doc_markdown, reason = "these comments are help texts, shown without markup")]
 
+use std::path::{Path, PathBuf};
+
 use clap::{Args as Group, ValueEnum};
 
 /// Formats of the figures.
@@ -26,6 +28,21 @@ pub(crate) enum FigureFormat {
     Pdf,
     /// Portable Network Graphics, for slides.
     Png,
+}
+
+impl FigureFormat {
+    /// The format of a file by the ending of its name.
+    pub(crate) fn of_path(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_str()?.to_lowercase();
+        Self::from_str(&ending, true).ok()
+    }
+}
+
+/// The name of a figure.
+pub(crate) fn figure_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let known = FigureFormat::of_path(&path).is_some();
+    known.then_some(path).ok_or_else(|| "accepted: a name that ends in .svg, .pdf or .png".into())
 }
 
 /// Axis of the magnitudes of frequency response functions.

@@ -11,7 +11,7 @@ use asperity_identify::{
     StiffnessOrigin, Work, WorkProgress, identify,
 };
 use asperity_plot as plot;
-use asperity_scenario::four_digits;
+use asperity_scenario::{digits_apart, four_digits};
 use serde_json::Value;
 use tracing::info_span;
 
@@ -116,28 +116,20 @@ fn words(progress: &WorkProgress) -> String {
     }
 }
 
-/// The folder for the result of a run that was stopped: `folder`, or, if that has a finished result, one
-/// beside it whose name ends in `-stopped`.
+/// The folder for the result of a run that was stopped.
 fn beside_finished(
     folder: ResultFolder,
     path: &Path,
     output: &Output,
 ) -> Result<ResultFolder, Failure> {
-    let earlier = folder.earlier("identification.json").and_then(|file| std::fs::read(file).ok());
-    let earlier: Value = serde_json::from_slice(&earlier.unwrap_or_default()).unwrap_or_default();
-    if earlier["complete"] != Value::Bool(true) {
-        return Ok(folder);
-    }
-    let mut name = folder.0.path().file_name().unwrap_or_default().to_os_string();
-    name.push("-stopped");
-    let beside = folder.0.path().with_file_name(name);
-    crate::progress::show_line(&format!(
-        "{} keeps its finished result; that of the stopped run is written to {}",
-        folder.0.path().display(),
-        beside.display()
-    ));
-    let figures = &output.figures.figures;
-    ResultFolder::claim_at("identify", path, Some(&beside), output.overwrite, figures)
+    let is_finished = |earlier: &Value| earlier["complete"] == Value::Bool(true);
+    folder.beside_finished(
+        "stopped",
+        is_finished,
+        ("identify", "identification.json"),
+        path,
+        output,
+    )
 }
 
 /// Writes the document, the law and the scenario of an identification that was stopped.
@@ -181,14 +173,18 @@ fn print_estimates(found: &Identification) -> Result<(), Failure> {
             StiffnessOrigin::Open => ", left open by the data",
         };
         let value = one.stiffness_pa_per_m;
+        let places = digits_apart(&[low, value, high], 4) - 1;
         answer_line!(
-            "{name:<36} {value:>12.3e}   {percent:.0} %: {low:.3e} to {high:.3e} Pa/m{origin}"
+            "{name:<36} {value:>12.places$e}   {percent:.0} %: {low:.places$e} to {high:.places$e} Pa/m{origin}"
         );
     }
     for estimate in found.estimates().into_iter().filter(|estimate| !estimate.in_steps) {
         let [low, high] = estimate.posterior_interval;
         let (name, value) = (estimate.name, estimate.value);
-        answer_line!("{name:<36} {value:>12.5e}   {percent:.0} %: {low:.5e} to {high:.5e}");
+        let places = digits_apart(&[low, value, high], 6) - 1;
+        answer_line!(
+            "{name:<36} {value:>12.places$e}   {percent:.0} %: {low:.places$e} to {high:.places$e}"
+        );
     }
     Ok(())
 }

@@ -2,13 +2,16 @@
 
 use std::collections::HashSet;
 use std::fmt::Write as _;
+use std::path::Path;
 
 use asperity_experiment::{
-    Choice, InspectedChannel, Inspection, RigSettings, input_files, inspect,
+    Choice, FrfOptions, InspectedChannel, Inspection, RigSettings, input_files, inspect, read_frfs,
 };
+use asperity_plot as plot;
 use serde_json::{Value, json};
 
 use crate::args::analyse::Inspect;
+use crate::args::figures::FigureFormat;
 use crate::failure::Failure;
 use crate::rig;
 
@@ -19,11 +22,24 @@ const HEIGHTS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '�
 /// Width of a printed outline.
 const COLUMNS: usize = 32;
 
+/// Draws the frequency response functions of a file.
+fn draw(file: &Path, path: &Path, asked: &Inspect) -> Result<(), Failure> {
+    let options = FrfOptions { unit: asked.frf_unit.clone(), ..FrfOptions::default() };
+    let functions = read_frfs(file, &options)?;
+    let format = FigureFormat::of_path(path).unwrap_or(FigureFormat::Svg);
+    let figure = plot::frf_file(&functions, plot::MagnitudeAxis::default());
+    for (_, bytes) in figure.iter().flat_map(|figure| super::drawn("frf", figure, &[format])) {
+        rig::write_file(path, &bytes, asked.overwrite)?;
+    }
+    Ok(())
+}
+
 /// Describes measurement files; one that cannot be read does not keep the others from it, and is the
 /// error of the command.
 pub(crate) fn run(asked: &Inspect, quiet: bool) -> Result<(), Failure> {
     let options = rig::channel_options(&asked.channels)?;
-    let (mut answers, mut failed, mut written) = (Vec::new(), None, false);
+    let (mut answers, mut failed) = (Vec::new(), None);
+    let (mut written, mut drawn) = (false, false);
     let mut told = HashSet::new();
     let files = input_files(&asked.files)?;
     for file in &files {
@@ -40,6 +56,10 @@ pub(crate) fn run(asked: &Inspect, quiet: bool) -> Result<(), Failure> {
         if let Some(path) = asked.write_rig.as_deref().filter(|_| !written) {
             rig::write(path, &RigSettings::of_inspection(&found), asked.overwrite)?;
             written = true;
+        }
+        if let Some(path) = asked.draw.as_deref().filter(|_| !drawn) {
+            draw(file, path, asked)?;
+            drawn = true;
         }
         if asked.json {
             answers.push(found);

@@ -9,7 +9,7 @@ use asperity_simulation::steady::{
     steady_time_table, steady_with_progress,
 };
 use asperity_structure::PreloadedContact;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::ResultFolder;
 use crate::args::{Input, Output, SteadyRange};
@@ -67,6 +67,17 @@ pub(crate) fn run(
             reason: failure.to_string(),
         });
     }
+
+    let folder = if failed.is_empty() {
+        folder
+    } else {
+        let is_finished = |earlier: &Value| {
+            let levels = earlier["levels"].as_array();
+            levels.is_some_and(|levels| levels.iter().all(|level| level.get("error").is_none()))
+        };
+        let own = ("steady", "summary.json");
+        folder.beside_finished("partial", is_finished, own, document.path(), output)?
+    };
 
     let names: Vec<&str> =
         assembly.structure.contacts().iter().map(PreloadedContact::name).collect();

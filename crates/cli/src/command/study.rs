@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use asperity_plot as plot;
-use asperity_scenario::four_digits;
+use asperity_scenario::{digits_apart, with_digits};
 use asperity_simulation::output::file_name::file_name;
 use asperity_study::{
     AnswerOptions, RunOptions, Shard, SlurmJob, StudyAnswers, StudyError, StudyFolder,
@@ -178,10 +178,14 @@ fn print_answers(found: &StudyAnswers, inputs: &[String]) -> Result<(), Failure>
     }
     for one in &found.observables {
         let Some(mean) = one.mean else { continue };
-        let quantiles =
-            one.quantiles.iter().map(|(p, found)| format!("{p}: {}", four_digits(found.value)));
-        let (mean, quantiles) = (four_digits(mean), quantiles.collect::<Vec<_>>().join(", "));
-        answer_line!("{}: mean {mean}; quantiles {quantiles}", one.name);
+        let values: Vec<f64> = one.quantiles.iter().map(|(_, found)| found.value).collect();
+        let digits = digits_apart(&values, 4);
+        let quantiles = one
+            .quantiles
+            .iter()
+            .map(|(p, found)| format!("{p}: {}", with_digits(found.value, digits)));
+        let quantiles = quantiles.collect::<Vec<_>>().join(", ");
+        answer_line!("{}: mean {}; quantiles {quantiles}", one.name, with_digits(mean, digits));
         for (threshold, chance) in &one.exceedances {
             let interval = format!("{:.4} to {:.4}", chance.low, chance.high);
             answer_line!("  above {threshold}: probability {:.4} ({interval})", chance.value);

@@ -6,7 +6,7 @@ use std::time::Instant;
 use asperity_plot as plot;
 use asperity_simulation::provenance::Provenance;
 use asperity_simulation::sweep::{Variation, input_files, number_of_runs, sweep_with_progress};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::ResultFolder;
 use crate::args::{Input, Output};
@@ -48,6 +48,13 @@ pub(crate) fn run(
             reason: failure.to_string(),
         });
     }
+    let folder = if failed > 0 {
+        let is_finished = |earlier: &Value| earlier["failed"] == 0;
+        let own = ("sweep", "sweep.json");
+        folder.beside_finished("partial", is_finished, own, document.path(), output)?
+    } else {
+        folder
+    };
     folder.write("sweep.csv", results.csv())?;
     if let Some(figure) = plot::sweep(&results) {
         folder.draw("sweep", &figure)?;

@@ -119,6 +119,49 @@ fn steady_after_simulate_keeps_its_files() {
     }
 }
 
+/// A command with its values and its folder.
+type Run<'a> = &'a dyn Fn(&str, &str) -> std::process::Output;
+
+/// A run of which a part fails is written beside the finished result of the folder, and in its place once
+/// that is partial, too.
+#[test]
+fn partial_runs_keep_the_finished_result() {
+    let folder = tempfile::tempdir().unwrap();
+    store(&folder.path().join("rig.json"), &rig());
+    let modal = ["--set", "/method=modal", "--set", "/duration_s=0.04"];
+    let sweep = |values: &str, out: &str| {
+        let vary = format!("/excitation/peak_n={values}");
+        let asked = ["sweep", "rig.json", "--vary", &vary, "--out", out];
+        asperity(folder.path(), &[&asked[..], &modal].concat())
+    };
+    let steady = |amplitudes: &str, out: &str| {
+        let range = ["--from", "700", "--to", "1000", "--harmonics", "5"];
+        let asked = ["steady", "rig.json", "--amplitude", amplitudes, "--out", out];
+        asperity(folder.path(), &[&asked[..], &range].concat())
+    };
+    let cases: [(Run<'_>, [&str; 2], &str); 2] =
+        [(&sweep, ["1,2", "1,1e300"], "sweep.csv"), (&steady, ["0.5", "0.6,1e9"], "steady.csv")];
+    for (run, [good, partial], table) in cases {
+        let read = |out: &str| fs::read(folder.path().join(out).join(table)).unwrap();
+        let output = run(good, table);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let before = read(table);
+        let output = run(partial, table);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        let beside = format!("{table}-partial");
+        assert!(message.contains("keeps its finished result") && message.contains(&beside));
+        assert_eq!(read(table), before);
+        assert_ne!(read(&beside), before);
+        // A first run, and one after it, have nothing to keep.
+        for _ in 0..2 {
+            let output = run(partial, &format!("new-{table}"));
+            assert_eq!(output.status.code(), Some(1));
+            assert!(!text(&output.stderr).contains("finished result"));
+        }
+    }
+}
+
 /// Results of measurements are not replaced by those of another file.
 #[test]
 fn the_analysis_of_another_file_is_refused() {

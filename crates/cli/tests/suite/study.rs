@@ -446,7 +446,7 @@ fn answers_give_quantiles_exceedances_and_indices() {
         ("distributions.svg", ["Share of runs (%)", "Work of the force (", " J)", "guide-sample"]),
         (
             "exceedance.svg",
-            ["Probability of exceedance", "Lowest pressure (", " Pa)", "sample-disc"],
+            ["Probability of exceedance", "Lowest pressure (", "MPa)", "sample-disc"],
         ),
         ("frf.svg", ["Frequency (Hz)", "Receptance (", "95 %", "median"]),
         ("sobol-indices.svg", ["Sobol index", "force", "first order", "total"]),

@@ -12,6 +12,8 @@ const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("interactive.js");
 const HINT: &str = "Figures: drag to zoom, double-click for the whole, shift and drag to move; values \
                     are shown at the pointer.";
+/// Most columns of a table that stays within the width of the text.
+const MOST_COLUMNS: usize = 7;
 /// Size of a figure on the screen over its size on paper.
 const ZOOM: f64 = 1.4;
 
@@ -126,8 +128,9 @@ fn table(headers: &[String], rows: &[Vec<TableCell>]) -> String {
         format!("<tr>{}</tr>\n", cells.concat())
     };
     let (head, body) = (head.concat(), rows.iter().map(row).collect::<Vec<_>>().concat());
+    let wide = if headers.len() > MOST_COLUMNS { " wide" } else { "" };
     format!(
-        "<div class=\"table\"><table>\n<thead><tr>{head}</tr></thead>\n\
+        "<div class=\"table{wide}\"><table>\n<thead><tr>{head}</tr></thead>\n\
          <tbody>\n{body}</tbody>\n</table></div>\n"
     )
 }

@@ -55,13 +55,30 @@ pub enum DataSpec {
         #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
         floor: BTreeMap<String, SpreadSpec>,
     },
-    /// The receptance of one hit in a band, from a `frf.csv`.
+    /// The receptance of one hit, or of an average of hits, in a band.
     Frf {
         /// A name.
         name: Option<String>,
-        /// The file, relative to the folder of the problem, with the columns
-        /// `frequency_hz` and real and imaginary part in m/N; or these columns in place.
+        /// The file, relative to the folder of the problem: a CSV with the columns `frequency_hz` and
+        /// real and imaginary part in m/N, or a universal, MAT or NPZ file of another program with a
+        /// frequency response function; or these columns in place.
         file: TableRef,
+        /// The function of such a file, by its name or `#NUMBER` among the functions; the only one when left
+        /// out.
+        function: Option<String>,
+        /// Unit of the function where such a file gives none, e.g. `m/s^2/N`.
+        unit: Option<String>,
+        /// Number of averages behind the function. With the coherence of the file it gives standard
+        /// deviations, which add in squares to `spread`.
+        #[schemars(range(min = 1))]
+        averages: Option<usize>,
+        /// Features to compare in place of the parts of the receptance: frequency and receptance of the peak
+        /// in the band (f1, A1) and of its second harmonic (f2, A2), and their ratio.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        features: Vec<String>,
+        /// Least standard deviation of each feature, added in squares.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        floor: BTreeMap<String, SpreadSpec>,
         /// The hit.
         #[serde(default)]
         hit: HitConditionsSpec,
@@ -69,6 +86,7 @@ pub enum DataSpec {
         band_hz: [f64; 2],
         /// Standard deviation of each part: of the largest magnitude in the
         /// band, and absolute in m/N.
+        #[serde(default)]
         spread: SpreadSpec,
         /// Largest number of frequencies, evenly spaced.
         #[serde(default = "default_points")]

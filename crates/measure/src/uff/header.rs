@@ -4,7 +4,7 @@ use crate::notice::Notices;
 use crate::rate;
 use crate::source::{Source, decode_text};
 use crate::uff::fields::{columns, integer, numbers, real, text};
-use crate::{ChannelQuantity, DegreeOfFreedom, FrfUnits, MeasureError, Notice, Unit};
+use crate::{ChannelQuantity, DegreeOfFreedom, MeasureError, Notice, Unit};
 
 /// The header of dataset 58.
 #[derive(Debug)]
@@ -38,6 +38,9 @@ pub(crate) struct AxisHeader {
 
 /// Function type of a frequency response function.
 pub(crate) const FRF: i64 = 4;
+
+/// Function type of a coherence.
+pub(crate) const COHERENCE: i64 = 6;
 
 /// Specific data types with their quantity and label; the first of a quantity is written.
 pub(crate) const SPECIFIC_TYPES: [(i64, ChannelQuantity, &str); 11] = [
@@ -164,17 +167,6 @@ impl FunctionHeader {
         }
         let entity = self.response.as_ref().map_or("", |response| response.entity.as_str());
         if entity.is_empty() { format!("channel {}", index + 1) } else { entity.to_owned() }
-    }
-
-    /// Units of a frequency response function whose units are known.
-    pub(crate) fn frf_units(&self) -> Option<FrfUnits> {
-        let known = |axis: &AxisHeader| {
-            let stated = axis.quantity();
-            let unit = Unit::parse(&axis.unit)?;
-            (stated == ChannelQuantity::Unknown || stated == unit.quantity()).then_some(unit)
-        };
-        let (response, excitation) = (known(&self.ordinate)?, known(&self.denominator)?);
-        (self.function == FRF).then_some(FrfUnits { response, excitation })
     }
 
     /// Quantity of the abscissa, and the SI value of its unit.

@@ -3,8 +3,8 @@
 use crate::notice::Notices;
 use crate::source::Source;
 use crate::uff::fields::real;
-use crate::uff::header::FunctionHeader;
-use crate::{ChannelQuantity, ChannelUnit, MeasureError, Notice, Unit};
+use crate::uff::header::{AxisHeader, FRF, FunctionHeader};
+use crate::{ChannelQuantity, ChannelUnit, FrfUnits, MeasureError, Notice, Unit};
 
 /// Factors from SI to the units of the file, `file = factor * SI`.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +42,20 @@ impl System {
             _ => None,
         }
     }
+}
+
+/// Units of a frequency response function, from its labels, else from the file's system.
+pub(crate) fn frf_units(header: &FunctionHeader, system: Option<&System>) -> Option<FrfUnits> {
+    let known = |axis: &AxisHeader| {
+        let stated = axis.quantity();
+        if crate::unit::says_none(&axis.unit) {
+            return system?.in_si(stated).map(|factor| Unit::of_factor(stated, factor));
+        }
+        let unit = Unit::parse(&axis.unit)?;
+        (stated == ChannelQuantity::Unknown || stated == unit.quantity()).then_some(unit)
+    };
+    let (response, excitation) = (known(&header.ordinate)?, known(&header.denominator)?);
+    (header.function == FRF).then_some(FrfUnits { response, excitation })
 }
 
 /// The unit of a channel, from its label, else from the file's system.

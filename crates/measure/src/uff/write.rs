@@ -7,7 +7,7 @@ use crate::WriteOptions;
 use crate::error::WriteFault;
 use crate::record::joined_len;
 use crate::uff::fields::text;
-use crate::uff::header::{FRF, SPECIFIC_TYPES};
+use crate::uff::header::{COHERENCE, FRF, SPECIFIC_TYPES};
 use crate::{
     Abscissa, Channel, ChannelQuantity, ChannelUnit, DegreeOfFreedom, Format, Record, Samples,
 };
@@ -81,6 +81,9 @@ fn header(
     }
     let kind = match channel.abscissa.quantity() {
         ChannelQuantity::Frequency if channel.origin.frf.is_some() => (FRF, 18, "Frequency", "Hz"),
+        ChannelQuantity::Frequency if channel.origin.is_coherence => {
+            (COHERENCE, 18, "Frequency", "Hz")
+        }
         ChannelQuantity::Time => (1, 17, "Time", "s"),
         ChannelQuantity::Frequency => (12, 18, "Frequency", "Hz"),
         _ => (0, 0, "NONE", "NONE"),

@@ -8,6 +8,7 @@
 mod build;
 mod by_hand;
 mod calibration;
+mod complex_arrays;
 mod errors;
 mod pyuff_check;
 mod reference_files;

@@ -48,8 +48,18 @@ const FIGURES: [(&str, &str, &str); 5] = [
         "Averaged functions of all responses. Shaded: the band; dashed: natural frequencies of the \
          modes.",
     ),
-    ("records", "Time histories", "Force during its pulse; response until it has decayed."),
-    ("backbone", "Backbones", "Frequency and damping along the decays, by peak force."),
+    (
+        "records",
+        "Time histories",
+        "Force during its pulse and response until it has decayed, one hit below the other on the same \
+         axes; of more than twelve hits some, spread over the test.",
+    ),
+    (
+        "backbone",
+        "Backbones",
+        "Frequency and damping along the decays, by peak force, until the standard deviation of the \
+         damping exceeds 5 %.",
+    ),
 ];
 
 /// The average in one sentence.
@@ -80,7 +90,7 @@ fn features(page: Report, found: &AnalysisReport) -> Report {
         vec![
             name.into(),
             of(|one| one.mean),
-            of(|one| one.standard_deviation.unwrap_or(f64::NAN)),
+            TableCell::deviation(statistics.and_then(|one| one.standard_deviation)),
             of(|one| one.smallest),
             of(|one| one.largest),
             TableCell::Number(count.to_string()),
@@ -112,7 +122,7 @@ fn levels(page: Report, found: &AnalysisReport) -> Report {
             TableCell::from(level.force_peak_n.mean),
             TableCell::Number(level.hits.len().to_string()),
             hertz(level.frequency_hz.map(|one| one.mean)),
-            hertz(deviation),
+            TableCell::deviation(deviation),
             mean(level.magnitude, 1.0),
             mean(level.damping_ratio, 100.0),
             mean(level.harmonic_ratio, 1.0),
@@ -147,11 +157,11 @@ fn modes(page: Report, found: &AnalysisReport) -> Report {
                 at.response.clone().into(),
                 TableCell::Number(at.hits.to_string()),
                 TableCell::Number(format!("{:.3}", at.natural_frequency_hz)),
-                optional(at.natural_frequency_uncertainty_hz),
+                TableCell::deviation(at.natural_frequency_uncertainty_hz),
                 (100.0 * at.damping_ratio).into(),
-                optional(at.damping_ratio_uncertainty.map(|value| 100.0 * value)),
+                TableCell::deviation(at.damping_ratio_uncertainty.map(|value| 100.0 * value)),
                 re.hypot(im).into(),
-                optional(at.modal_constant_uncertainty_per_kg),
+                TableCell::deviation(at.modal_constant_uncertainty_per_kg),
                 TableCell::Number(format!("{:.1}", at.phase_deg)),
                 optional(at.frequency_change_hz),
             ]

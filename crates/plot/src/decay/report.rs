@@ -13,7 +13,7 @@ const FIGURES: [(&str, &str, &str); 3] = [
         "backbone",
         "Backbones",
         "Frequency and damping over amplitude along each decay; areas are two standard deviations due \
-         to noise to either side. Points whose damping is known to less than a fifth are left out.",
+         to noise to either side. A curve ends where the standard deviation of the damping exceeds 5 %.",
     ),
     (
         "harmonics",
@@ -81,9 +81,9 @@ fn decays(mut page: Report, found: &DecayReport) -> Report {
                 number(Some(of.start_s)),
                 number(Some(of.length_s)),
                 hertz(of.mean.map(|mean| mean.frequency_hz), 3),
-                hertz(of.mean.map(|mean| mean.frequency_uncertainty_hz), 4),
+                TableCell::deviation(of.mean.map(|mean| mean.frequency_uncertainty_hz)),
                 hundred(of.mean.map(|mean| mean.damping_ratio)),
-                hundred(of.mean.map(|mean| mean.damping_ratio_uncertainty)),
+                TableCell::deviation(of.mean.map(|mean| 100.0 * mean.damping_ratio_uncertainty)),
                 number(of.largest.map(|one| one.amplitude_m.unwrap_or(one.amplitude))),
                 number(of.smallest.map(|one| one.amplitude_m.unwrap_or(one.amplitude))),
                 number(of.second_harmonic.map(|second| second.ratio)),

@@ -1,9 +1,9 @@
 //! Laws compared.
 
-use asperity_figure::{Anchor, Axis, Color, Figure, Legend, Panel, Series};
+use asperity_figure::{Anchor, Axis, Color, Figure, Legend, Marker, Panel, Series};
 use asperity_inference::{ComparedModel, ModelAssessment, ModelComparison};
 
-use super::fitted;
+use crate::fitted;
 
 /// Scores of left-out hits and information criteria, each less that of the best.
 pub(super) fn comparison(choice: &ModelComparison) -> Figure {
@@ -20,8 +20,9 @@ pub(super) fn comparison(choice: &ModelComparison) -> Figure {
     let finite = |value: f64| Some(value).filter(|value| value.is_finite());
     let score = |candidate: &ComparedModel| candidate.score_difference.and_then(finite);
     let aicc = |candidate: &ComparedModel| finite(candidate.aicc - best?.aicc);
-    let scores = panel("Score less the best's", names(true), choice, &place, &score, true);
-    let criteria = panel("AICc less the best's", names(false), choice, &place, &aicc, false);
+    let scores =
+        panel("Score minus the best score (nat)", names(true), choice, &place, &score, true);
+    let criteria = panel("AICc minus the lowest AICc", names(false), choice, &place, &aicc, false);
     let height = 26.0 + 9.0 * count as f64;
     let figure = Figure::new("Laws compared").panel(scores).panel(criteria).columns(2);
     figure.width_mm(175.0).row_height_mm(height.clamp(40.0, 200.0))
@@ -49,12 +50,15 @@ fn panel(
     let mut panel = Panel::new(across, names).vertical(0.0, "");
     for (index, candidate) in choice.candidates.iter().enumerate() {
         let Some(x) = value(candidate) else { continue };
-        let color = match candidate.assessment {
-            ModelAssessment::Best => Color::GREEN,
-            ModelAssessment::Undecided => Color::ORANGE,
-            ModelAssessment::Rejected { .. } | ModelAssessment::Misfit { .. } => Color::RED,
+        let (color, marker) = match candidate.assessment {
+            ModelAssessment::Best => (Color::GREEN, Marker::Circle),
+            ModelAssessment::Undecided => (Color::ORANGE, Marker::Diamond),
+            ModelAssessment::Rejected { .. } | ModelAssessment::Misfit { .. } => {
+                (Color::RED, Marker::Cross)
+            }
         };
-        let mut series = Series::points("", [x], [place(index)]).color(color).filled(true);
+        let series = Series::points("", [x], [place(index)]).color(color).filled(true);
+        let mut series = series.marker(marker).marker_size(5.0);
         if let Some(error) = error(candidate) {
             series = series.horizontal_errors([error]);
         }

@@ -6,8 +6,9 @@ use asperity_identify::{CandidateMeasurement, DesignRanking, MeasurementKind};
 
 use asperity_scenario::four_digits;
 
-use super::fitted;
 use super::observations::groups;
+use crate::axes::{pointer_value, pointer_words};
+use crate::fitted;
 
 /// Most changes of the rig that are drawn.
 const MOST_CHANGES: usize = 7;
@@ -31,12 +32,11 @@ pub(super) fn design(design: &DesignRanking) -> Figure {
         let x: Vec<f64> = hits.iter().map(|hit| hit.force_peak_n).collect();
         let line = |name: String, value: fn(&CandidateMeasurement) -> f64| {
             let y: Vec<f64> = hits.iter().map(|hit| value(hit.expected)).collect();
-            y.iter().any(|y| y.is_finite()).then(|| {
-                let series = Series::line_points(name, &x, y).color(Color::category(index));
-                series.marker(Marker::Circle)
-            })
+            y.iter()
+                .any(|y| y.is_finite())
+                .then(|| Series::line_points(name, &x, y).category(index))
         };
-        left = left.all_series(line(fitted(&changes(set), 44), |one| one.remaining));
+        left = left.all_series(line(fitted(&in_words(set), 44), |one| one.remaining));
         gained = gained.all_series(line(String::new(), |one| one.information));
     }
     let first = design.sequence.first();
@@ -66,7 +66,7 @@ pub(super) fn design(design: &DesignRanking) -> Figure {
 /// Panels of the uncertainty left and of the information over a quantity.
 fn panels(label: &str, unit: &str, scale: f64) -> [Panel; 2] {
     let over = || Axis::linear(label, unit).scale(scale);
-    let left = Axis::linear("Uncertainty of ln K left", "").range(0.0, 1.05);
+    let left = Axis::linear("Deviation of ln K, then over now", "").range(0.0, 1.05);
     let gained = Axis::linear("Information", "nat").low(0.0);
     [
         Panel::new(over(), left).legend(Legend::Above),
@@ -118,6 +118,18 @@ pub(super) fn changes(set: &Changes) -> String {
     set.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
+/// Changes of a rig with the words of their values, for a legend.
+fn in_words(set: &Changes) -> String {
+    if set.is_empty() {
+        return changes(set);
+    }
+    let one = |(pointer, value): (&String, &serde_json::Value)| {
+        let (words, value) = (pointer_words(pointer).0, pointer_value(pointer, &value.to_string()));
+        if value.starts_with(&words) { value } else { format!("{words}: {value}") }
+    };
+    set.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,6 +139,8 @@ mod tests {
         let set = |text: &str| serde_json::from_str::<Changes>(text).unwrap_or_default();
         assert_eq!(changes(&set("{}")), "as it is");
         assert_eq!(changes(&set(r#"{"/bodies/0/mass_kg": 3.2}"#)), "bodies/0/mass_kg = 3.2");
+        assert_eq!(in_words(&set(r#"{"/bodies/0/mass_kg": 3.2}"#)), "Mass of body 1: 3.2 kg");
+        assert_eq!(in_words(&set(r#"{"/damping/ratio": 0.02}"#)), "Damping ratio 0.02");
         assert_eq!(changes(&set(r#"{"/duration_s": 1}"#)), "duration_s = 1");
     }
 

@@ -3,6 +3,8 @@
 use asperity_identify::{Identification, PredictedObservation};
 use asperity_simulation::quantity::Quantity;
 
+use crate::capital;
+
 /// Kind of an observation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ObservationKind {
@@ -141,13 +143,6 @@ pub(super) fn feature_name(feature: &str) -> (String, &'static str) {
 pub(super) fn order(feature: &str) -> usize {
     let quantity = Quantity::of_name(feature).map(|(quantity, _)| quantity);
     FIRST.iter().position(|first| Some(*first) == quantity).unwrap_or(FIRST.len())
-}
-
-/// The text with a capital first.
-pub(super) fn capital(text: &str) -> String {
-    let mut characters = text.chars();
-    let first = characters.next().map(|first| first.to_uppercase().collect::<String>());
-    first.unwrap_or_default() + characters.as_str()
 }
 
 #[cfg(test)]

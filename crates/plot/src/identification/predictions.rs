@@ -3,10 +3,9 @@
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
 use asperity_inference::normal_quantile;
 
-use super::fitted;
-use super::observations::{
-    ObservationKind, ObservationRow, capital, column, feature_name, groups, order,
-};
+use super::observations::{ObservationKind, ObservationRow, column, feature_name, groups, order};
+use crate::axes::axis;
+use crate::{capital, fitted};
 
 /// Most features and most sets of data of a figure.
 const MOST_PANELS: usize = 6;
@@ -15,16 +14,6 @@ const MOST_DATA: usize = 6;
 
 /// Most features with a name in a panel of residuals.
 const MOST_FEATURES: usize = 7;
-
-/// Markers of the sets of data, and of the features among the residuals.
-const MARKERS: [Marker; 6] = [
-    Marker::Circle,
-    Marker::Square,
-    Marker::Triangle,
-    Marker::Diamond,
-    Marker::Plus,
-    Marker::Cross,
-];
 
 /// Features of hits over force.
 pub(super) fn features(rows: &[ObservationRow<'_>]) -> Option<Figure> {
@@ -84,16 +73,6 @@ pub(super) fn backbone(rows: &[ObservationRow<'_>]) -> Option<Figure> {
     figure("Backbone", panels.collect())
 }
 
-/// The axis of a feature, with a display unit.
-fn axis(label: String, unit: &'static str) -> Axis {
-    match unit {
-        "m/N" => Axis::linear(label, "nm/N").scale(1e9),
-        "m" => Axis::linear(label, "nm").scale(1e9),
-        "Pa" => Axis::linear(label, "MPa").scale(1e-6),
-        _ => Axis::linear(label, unit),
-    }
-}
-
 fn figure(title: &str, panels: Vec<Panel>) -> Option<Figure> {
     let columns = panels.len().min(2);
     crate::figure(title, columns, if columns == 1 { 110.0 } else { 170.0 }, panels)
@@ -120,7 +99,8 @@ fn panel([x, y]: [Axis; 2], rows: &[&ObservationRow<'_>], legend: bool, several:
         }
         let predicted = column(&of, |row| row.predicted);
         if predicted.iter().any(|value| value.is_finite()) {
-            let series = Series::line(name("best fit"), &at, &predicted).color(color);
+            let line = Series::line(name("best fit"), &at, &predicted);
+            let series = if several { line.category(index) } else { line }.color(color);
             // A single point makes no line.
             let lone = if of.len() == 1 { Marker::Plus } else { Marker::None };
             lines.push(series.marker(lone));
@@ -128,7 +108,7 @@ fn panel([x, y]: [Axis; 2], rows: &[&ObservationRow<'_>], legend: bool, several:
         let errors = column(&of, |row| 2.0 * row.standard_deviation);
         let series = Series::points(name("measured"), &at, column(&of, |row| row.value));
         let shade = if several { color } else { Color::BLACK };
-        points.push(series.errors(errors).color(shade).marker(MARKERS[index % MARKERS.len()]));
+        points.push(series.errors(errors).category(index).color(shade));
     }
     panel = panel.all_series(bands).all_series(lines).all_series(points);
     panel.legend(if legend { Legend::Auto } else { Legend::None })
@@ -153,6 +133,7 @@ pub(super) fn residuals(rows: &[ObservationRow<'_>]) -> Option<Figure> {
     for (kind, across) in [
         (ObservationKind::Hit, Axis::linear("Peak force", "N")),
         (ObservationKind::Receptance, Axis::linear("Frequency", "Hz")),
+        (ObservationKind::Steady, Axis::linear("Frequency", "Hz")),
         (ObservationKind::Backbone, Axis::log("Amplitude", "m")),
         (ObservationKind::Stiffness, Axis::linear("Pressure", "MPa").scale(1e-6)),
     ] {
@@ -166,8 +147,7 @@ pub(super) fn residuals(rows: &[ObservationRow<'_>]) -> Option<Figure> {
         for (index, (feature, rows)) in of.iter().enumerate() {
             let name = if index < MOST_FEATURES { feature_name(feature).0 } else { String::new() };
             let (x, y) = (column(rows, |row| row.at), column(rows, |row| row.residual));
-            let series = Series::points(name, x, y).marker(MARKERS[index % MARKERS.len()]);
-            panel = panel.series(series.color(Color::category(index)));
+            panel = panel.series(Series::points(name, x, y).category(index));
         }
         figure = figure.panel(panel.horizontal(2.0, "").horizontal(-2.0, "").legend(Legend::Above));
     }

@@ -1,12 +1,13 @@
 //! `report.html`: the answer in words, the tables, the figures.
 
 use asperity_figure::Figure;
-use asperity_figure::report::{ClaimOutcome, Report, TableCell, four_digits};
+use asperity_figure::report::{ClaimOutcome, Report, TableCell, digits, four_digits};
 use asperity_identify::{
     CandidateMeasurement, Identification, IdentificationProblem, ReasonKind, StartAgreement,
     StiffnessOrigin,
 };
 use asperity_inference::ModelAssessment;
+use asperity_scenario::digits_apart;
 use serde_json::Value;
 
 use super::design::measurement;
@@ -88,11 +89,13 @@ fn caption(name: &str, found: &Identification) -> String {
     let percent = percent(found.level);
     match name {
         "law" => format!(
-            "(a) Contact stiffness of law \u{201c}{}\u{201d} over pressure: best fit and {percent} \
-             band. (b) Uncertainty of ln K left, over that before the data. Shaded \
+            "Contact stiffness of law \u{201c}{}\u{201d} over pressure: best fit and {percent} \
+             band; where the band is thin, the same in per cent of the median. Last: uncertainty of ln K \
+             left, over that before the data, and for a free law the width of its averaging kernel. Shaded \
              pressures are not informed by the data: they were not reached, or more than a third of \
-             the uncertainty is left, or the law is given there (grey): no parameter acts on it, and (b) \
-             has no line. Dashed verticals: lowest and highest pressure reached, and the pressure at rest.",
+             the uncertainty is left, or the law is given there (grey): no parameter acts on it, and there is \
+             no line of its uncertainty. Dashed verticals: lowest and highest pressure reached, and the pressure \
+             at rest.",
             found.law.name
         ),
         "features" => format!(
@@ -136,8 +139,8 @@ fn caption(name: &str, found: &Identification) -> String {
         "comparison" => {
             "(a) Logarithm of the probability of hits that were left out, less that of \
              the best law, with one standard error: further left is worse. (b) AICc less that of \
-             the best law: further right is worse. Green: best; orange: not distinguished from it; red: \
-             rejected."
+             the best law: further right is worse. Circle: best; diamond: not distinguished from it; \
+             cross: rejected."
                 .to_owned()
         }
         "design" => {
@@ -154,11 +157,11 @@ fn caption(name: &str, found: &Identification) -> String {
 
 /// Estimates of the parameters.
 fn estimates(report: Report, found: &Identification) -> Report {
-    let interval = |ends: [Option<f64>; 2]| -> TableCell {
+    let interval = |ends: [Option<f64>; 2], count: usize| -> TableCell {
         if ends == [None, None] {
             return "open".into();
         }
-        let end = |end: Option<f64>| end.map_or("open".to_owned(), four_digits);
+        let end = |end: Option<f64>| end.map_or("open".to_owned(), |end| digits(end, count));
         format!("{} to {}", end(ends[0]), end(ends[1])).into()
     };
     let stiffnesses = found.stiffnesses.iter().map(|one| {
@@ -168,11 +171,13 @@ fn estimates(report: Report, found: &Identification) -> Report {
             StiffnessOrigin::Given => "given",
             StiffnessOrigin::Open => "left open by the data",
         };
+        let [low, high] = one.interval_pa_per_m;
+        let count = digits_apart(&[low, one.stiffness_pa_per_m, high], 4);
         vec![
             TableCell::from(one.law.as_str()),
             TableCell::from(1e-6 * one.pressure_pa),
-            TableCell::from(one.stiffness_pa_per_m),
-            interval(one.interval_pa_per_m.map(Some)),
+            TableCell::Number(digits(one.stiffness_pa_per_m, count)),
+            interval([Some(low), Some(high)], count),
             origin.into(),
         ]
     });
@@ -183,12 +188,14 @@ fn estimates(report: Report, found: &Identification) -> Report {
         report.table(headers, stiffnesses)
     };
     let rows = found.estimates().into_iter().map(|estimate| {
+        let [low, high] = estimate.posterior_interval;
+        let count = digits_apart(&[low, estimate.value, high], 4);
         vec![
             TableCell::from(estimate.label),
-            TableCell::from(estimate.value),
-            TableCell::from(estimate.standard_deviation),
-            interval(estimate.profile_interval),
-            interval(estimate.posterior_interval.map(Some)),
+            TableCell::Number(digits(estimate.value, count)),
+            TableCell::deviation(estimate.standard_deviation),
+            interval(estimate.profile_interval, count),
+            interval(estimate.posterior_interval.map(Some), count),
             TableCell::Number(format!("{:.3}", estimate.r_hat)),
             TableCell::Number(format!("{:.0}", estimate.effective_sample_size)),
             if estimate.at_bound { "on a bound".into() } else { "".into() },
@@ -280,7 +287,7 @@ fn comparison(mut report: Report, found: &Identification) -> Report {
                 ModelAssessment::Undecided => "undecided",
             }),
             number(candidate.score_difference),
-            number(candidate.difference_error),
+            TableCell::deviation(candidate.difference_error),
             TableCell::from(candidate.aicc - best.aicc),
             TableCell::from(candidate.bic - best.bic),
             TableCell::from(goodness.chi_square),

@@ -4,8 +4,12 @@ use asperity_figure::{Anchor, Axis, Color, Figure, Legend, Marker, Panel, Series
 use asperity_identify::Identification;
 use asperity_inference::{Profile, ProfileEnd, normal_quantile};
 
-use super::{percent, short};
+use super::percent;
+use crate::axes::{display_factor, pointer_axis};
 use crate::figure;
+
+/// Most characters of the words of a parameter.
+const MOST_NAME: usize = 32;
 
 /// Most profiles that are drawn.
 const MOST_PROFILES: usize = 12;
@@ -51,7 +55,7 @@ fn panel(found: &Identification, profile: &Profile, level: f64) -> Panel {
     let (line_x, line_y): (Vec<f64>, Vec<f64>) = curve(&points, best).into_iter().unzip();
     let line = Series::line("", line_x, line_y).color(Color::BLUE);
     let marks = Series::points("", &x, &y).color(Color::BLUE).marker(Marker::Circle);
-    let mut panel = Panel::new(Axis::linear(short(name, 24), ""), deviance)
+    let mut panel = Panel::new(pointer_axis(name, MOST_NAME), deviance)
         .series(line)
         .series(marks.marker_size(2.6))
         .horizontal(level, "")
@@ -128,9 +132,11 @@ pub(super) fn pairs(found: &Identification) -> Option<Figure> {
                 Panel::blank()
             } else {
                 let axis = |parameter: usize, labelled: bool| {
-                    let name = short(&found.names[parameter], 20);
-                    let axis = Axis::linear(if labelled { name } else { String::new() }, "");
-                    let axis = axis.range(ranges[parameter][0], ranges[parameter][1]);
+                    let name = found.names[parameter].as_str();
+                    let (words, factor) = (pointer_axis(name, MOST_NAME), display_factor(name));
+                    let axis = if labelled { words } else { Axis::linear("", "").scale(factor) };
+                    let [low, high] = ranges[parameter];
+                    let axis = axis.range(factor * low, factor * high);
                     if labelled { axis } else { axis.ticks(std::iter::empty::<(f64, String)>()) }
                 };
                 let across = axis(place, row + 1 == count);

@@ -7,7 +7,7 @@ use asperity_measure::{Abscissa, Channel, Format, ReadOptions, Samples, read};
 use asperity_signal::Complex64;
 
 use super::{store, test_record};
-use crate::answer;
+use crate::{answer, asperity, text};
 
 /// All functions of a file; those of one pair of nodes are records of their own.
 fn functions(file: &Path) -> Vec<Channel> {
@@ -18,6 +18,33 @@ fn functions(file: &Path) -> Vec<Channel> {
 fn complex(channel: &Channel) -> &[Complex64] {
     let Samples::Complex(values) = &channel.samples else { panic!("real samples") };
     values
+}
+
+/// Functions of any file are drawn with their names and units; a file of samples has none.
+#[test]
+fn functions_of_a_file_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = store(folder.path(), "test.uff", test_record(), Format::UniversalBinary);
+    for format in ["uff", "npz"] {
+        let asked = ["analyse", &file, "--frfs", format, "--form", "mobility", "--out", format];
+        answer(folder.path(), &[&asked[..], &["--json"]].concat());
+        let functions = format!("{format}/frfs.{format}");
+        let draw = |more: &[&str]| {
+            asperity(folder.path(), &[&["inspect", &functions, "--draw", "frf.svg"], more].concat())
+        };
+        let output = draw(&["--overwrite"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let figure = std::fs::read_to_string(folder.path().join("frf.svg")).unwrap();
+        for part in ["Receptance (m/N)", "Frequency (Hz)", "Phase (°)", "average H1", "hit 1"] {
+            assert!(figure.contains(part), "{part}");
+        }
+        assert_eq!(draw(&[]).status.code(), Some(2));
+    }
+    let output = asperity(folder.path(), &["inspect", &file, "--draw", "none.svg"]);
+    let message = text(&output.stderr);
+    assert!(message.contains("no channel for the frequency response function"), "{message}");
+    let output = asperity(folder.path(), &["inspect", &file, "--draw", "frf.bmp"]);
+    assert!(text(&output.stderr).contains(".svg, .pdf or .png"));
 }
 
 /// Verified against `frf.csv` and against each other: the functions of the average and of the three
