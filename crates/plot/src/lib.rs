@@ -42,7 +42,7 @@ use asperity_figure::{Figure, Panel};
 pub use analysis::{analysis_report, figures, responses};
 pub use answers::answers;
 pub use decay::{decay_figures, decay_report};
-pub use identification::{identification, identification_report, measurement};
+pub use identification::{feature_name, identification, identification_report, measurement};
 pub use magnitude::MagnitudeAxis;
 pub use response::{frf, history};
 pub use steady::{steady, steady_report};

@@ -14,11 +14,13 @@
 //! | `scenario` | the class `Scenario` |
 //! | `law` | the class `Law`, laws of a scenario, fits |
 //! | `simulate`, `sweep`, `steady` | one transient run; many; steady responses and modes |
+//! | `study` | studies over designs |
 //! | `measurement` | channels in arrays as records, and back |
 //! | `analyse` | analyses of hits and of free decays |
 //! | `identify` | identification of laws |
 //! | `signal` | single steps of an analysis |
 //! | `figure` | the class `Figure` |
+//! | `command` | the command `asperity` |
 //! | `background` | long calls: without the interpreter's lock, with progress, stopped by Ctrl-C |
 //! | `columns`, `arrow` | columns as NumPy arrays, and as a stream of the Arrow C data interface |
 //! | `json` | documents between Python and Rust |
@@ -31,6 +33,7 @@ mod analyse;
 mod arrow;
 mod background;
 mod columns;
+mod command;
 mod exception;
 mod figure;
 mod identify;
@@ -41,6 +44,7 @@ mod scenario;
 mod signal;
 mod simulate;
 mod steady;
+mod study;
 mod sweep;
 
 /// Native part of the package `asperity`.
@@ -53,9 +57,11 @@ mod _asperity {
     #[pymodule_export]
     use crate::arrow::arrow_stream;
     #[pymodule_export]
+    use crate::command::command;
+    #[pymodule_export]
     use crate::exception::{ComputationError, ScenarioError};
     #[pymodule_export]
-    use crate::figure::{PyFigure, restore_figure};
+    use crate::figure::{PyFigure, feature_name, palette, restore_figure};
     #[pymodule_export]
     use crate::identify::identify;
     #[pymodule_export]
@@ -65,7 +71,7 @@ mod _asperity {
     #[pymodule_export]
     use crate::scenario::{PyScenario, restore_scenario};
     #[pymodule_export]
-    use crate::signal::damping::{backbone, circle_fit, logarithmic_decrement};
+    use crate::signal::damping::{backbone, circle_fit, decay_length, logarithmic_decrement};
     #[pymodule_export]
     use crate::signal::frf::{PyFrequencyResponse, PyFrfAverage, PyPeak, convert_frf};
     #[pymodule_export]
@@ -79,6 +85,8 @@ mod _asperity {
     use crate::simulate::simulate;
     #[pymodule_export]
     use crate::steady::{modes, steady};
+    #[pymodule_export]
+    use crate::study::study;
     #[pymodule_export]
     use crate::sweep::{sweep, sweep_rows};
 

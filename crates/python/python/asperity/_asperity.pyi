@@ -1,7 +1,7 @@
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, final, overload
+from typing import Any, Literal, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._identify import Identification
 from ._simulate import Simulation
 from ._steady import Modes, SteadyResponses
+from ._study import Study
 from ._sweep import Sweep, Values
 
 __all__ = [
@@ -25,13 +26,16 @@ __all__ = [
     "arrow_stream",
     "backbone",
     "circle_fit",
+    "command",
     "convert_frf",
     "decay",
+    "decay_length",
     "even_rate",
     "exponential_corrected",
     "exponential_falling_to",
     "exponential_receptance",
     "exponential_window",
+    "feature_name",
     "find_hits",
     "fit_power",
     "force_window",
@@ -39,6 +43,7 @@ __all__ = [
     "laws",
     "logarithmic_decrement",
     "modes",
+    "palette",
     "pulse",
     "quality_issues",
     "read",
@@ -48,6 +53,7 @@ __all__ = [
     "restore_scenario",
     "simulate",
     "steady",
+    "study",
     "sweep",
     "sweep_rows",
     "tabulate",
@@ -89,10 +95,35 @@ class Scenario:
         threads: int | None = None,
         progress: _Progress = None,
     ) -> Sweep: ...
+    def study(
+        self,
+        study: Mapping[str, Any],
+        *,
+        folder: str | os.PathLike[str] | None = None,
+        out: str | os.PathLike[str] | None = None,
+        resume: bool = False,
+        level: float = 0.95,
+        probabilities: Sequence[float] = ...,
+        exceed: Mapping[str, float] | Sequence[tuple[str, float]] | None = None,
+        threads: int | None = None,
+        progress: _Progress = None,
+    ) -> Study: ...
     def steady(
-        self, amplitudes_n: ArrayLike, from_hz: float, to_hz: float, **options: Any
+        self,
+        amplitudes_n: ArrayLike,
+        from_hz: float,
+        to_hz: float,
+        *,
+        harmonics: int | None = None,
+        backbone: bool = False,
+        verify: bool = False,
+        bodies: Literal["auto", "elastic", "condensed"] = "auto",
+        time_sweep: Literal["up", "down", "both"] | None = None,
+        time_sweep_points: int = 201,
+        threads: int | None = None,
+        progress: _Progress = None,
     ) -> SteadyResponses: ...
-    def modes(self, count: int | None = None) -> Modes: ...
+    def modes(self, count: int = 4) -> Modes: ...
     def identify(
         self,
         problem: Mapping[str, Any],
@@ -242,6 +273,9 @@ def exponential_receptance(
     frequency_hz: _Floats, receptance: _Complex, response: str, tau_s: float
 ) -> _Complex: ...
 def convert_frf(frequency_hz: _Floats, values: _Complex, form: str, to: str) -> _Complex: ...
+def decay_length(samples: _Floats) -> int: ...
+def palette(count: int) -> tuple[list[str], list[str]]: ...
+def feature_name(feature: str) -> tuple[str, str]: ...
 def circle_fit(frequency_hz: _Floats, mobility: _Complex) -> dict[str, Any] | None: ...
 def logarithmic_decrement(
     samples: _Floats, sample_rate_hz: float, frequency_hz: float
@@ -339,6 +373,18 @@ def steady(
     Figure | None,
     list[tuple[str, str]],
 ]: ...
+def study(
+    study: str | os.PathLike[str] | dict[str, Any],
+    folder: str | os.PathLike[str] | None,
+    out: str | os.PathLike[str] | None,
+    resume: bool,
+    level: float,
+    probabilities: list[float],
+    exceed: list[tuple[str, float]],
+    threads: int | None,
+    progress: _Progress,
+) -> dict[str, Any]: ...
+def command(arguments: list[str]) -> int: ...
 def modes(scenario: _ScenarioLike, count: int) -> tuple[dict[str, Any], _Numbers, Figure]: ...
 def laws(scenario: _ScenarioLike) -> dict[str, Law]: ...
 def tabulate(scenario: _ScenarioLike) -> tuple[dict[str, _Numbers], Figure | None]: ...

@@ -11,7 +11,7 @@ from typing import Any
 from . import _arrays, _asperity
 from ._result import Result
 from ._table import Table
-from ._warning import JudgementWarning
+from ._warning import JudgementWarning, note
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +125,7 @@ def identify(
     >>> scenario.with_({"/laws/contact": found.law})                           # doctest: +SKIP
     """
     found = _asperity.identify(problem, folder, progress, bool(fast))
-    _tell(found["report"]["judgement"], fast)
+    _tell(found["report"], fast)
     return _result(found)
 
 
@@ -146,13 +146,15 @@ def identify_in(
     whole = {"schema": "asperity/identify/1", **problem, "scenario": scenario.to_dict()}
     start = scenario.folder if folder is None else folder
     found = _asperity.identify(whole, start, progress, fast)
-    _tell(found["report"]["judgement"], fast)
+    _tell(found["report"], fast)
     return _result(found)
 
 
-def _tell(judgement: dict[str, Any], fast: bool) -> None:
-    """Warns the caller of the function that calls this one of a law that is not free to use; what
-    was left out on request is no reason."""
+def _tell(report: dict[str, Any], fast: bool) -> None:
+    """Passes notices on to the caller of the function that calls this one, and warns it of a law that
+    is not free to use; what was left out on request is no reason."""
+    note(report["notices"], stacklevel=4)
+    judgement = report["judgement"]
     reasons = [
         reason["words"]
         for reason in judgement["reasons"]

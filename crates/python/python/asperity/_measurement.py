@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from . import _arrays, _asperity
 from ._numbers import columns_of, is_frame, is_series, unmasked
 from ._table import Table
+from ._warning import note
 
 Path = str | os.PathLike[str]
 #: Channel by SEP005: a dict with ``data``, ``name``, ``unit_str``, and ``fs`` or ``time``.
@@ -214,7 +214,7 @@ def read(
     """Read measurement files as records of SEP005 channels.
 
     Formats are detected from the content: universal files, text, NPY, NPZ, MAT, HDF5, WAV, TDMS.
-    Records over frequency and complex channels are left out. Assumptions of the reader are warnings.
+    Records over frequency and complex channels are left out. Assumptions of the reader are a `NoticeWarning`.
 
     Parameters
     ----------
@@ -266,8 +266,7 @@ def read(
         bool(si),
         progress,
     )
-    for notice in notices:
-        warnings.warn(notice, stacklevel=2)
+    note(notices)
     return records
 
 

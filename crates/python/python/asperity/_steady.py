@@ -68,7 +68,7 @@ class SteadyResponses(Result):
         ``amplitude_1_m``; kinds are ``fold``, ``period_doubling``,
         ``neimark_sacker`` and ``branch_point``."""
         found = [
-            (number, level["force_n"], point)
+            (number, _number(level.get("force_n")), point)
             for number, level in enumerate(self.summary["levels"], start=1)
             for point in level.get("bifurcations", ())
         ]
