@@ -73,7 +73,9 @@ mod _asperity {
     #[pymodule_export]
     use crate::signal::damping::{backbone, circle_fit, decay_length, logarithmic_decrement};
     #[pymodule_export]
-    use crate::signal::frf::{PyFrequencyResponse, PyFrfAverage, PyPeak, convert_frf};
+    use crate::signal::frf::{
+        PyFrequencyResponse, PyFrfAverage, PyPeak, convert_frf, restore_peak,
+    };
     #[pymodule_export]
     use crate::signal::hits::{find_hits, pulse, quality_issues};
     #[pymodule_export]
