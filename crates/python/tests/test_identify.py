@@ -262,4 +262,4 @@ def test_records_may_be_arrays(tmp_path: Path) -> None:
     assert all(law == laws[0] for law in laws)
     uneven = asperity.Table({**hit.to_dict(), "time_s": hit["time_s"] ** 1.2})
     with pytest.raises(ValueError, match="even times"):
-        scenario.identify({"unknowns": [], "data": [{**data, "files": uneven}]})
+        scenario.identify({"unknowns": [], "data": [{"kind": "records", "files": uneven}]})
