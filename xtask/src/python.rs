@@ -22,7 +22,7 @@ const TOOLS: [&str; 4] = ["maturin>=1.9,<2", "mypy", "numpy", "pytest"];
 
 /// Packages that results are compared with, that take tables, and that run the notebooks; tests
 /// without them skip, by name.
-const COMPARED: [&str; 9] = [
+const COMPARED: [&str; 10] = [
     "ipykernel",
     "matplotlib",
     "nbclient",
@@ -32,6 +32,7 @@ const COMPARED: [&str; 9] = [
     "pyFRF",
     "scipy",
     "sdypy-sep005",
+    "xarray",
 ];
 
 /// Variable that makes the package a condition, with this value.
