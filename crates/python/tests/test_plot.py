@@ -125,7 +125,8 @@ def test_steady_responses_show_their_stability() -> None:
     ax = plot.backbone(found)
     assert titles(ax) == ("Frequency (Hz)", "Amplitude u$_{1}$ (µm)")
     labels = [text.get_text() for text in ax.get_legend().get_texts()]
-    expected = ["0.2 N", "2 N", "fold", "phase resonance", "damped mode", "time integration, up"]
+    expected = ["0.2 N", "2 N", "fold", "end of the branch", "phase resonance", "damped mode"]
+    expected.append("time integration, up")
     assert labels == expected
     # The branch with a fold: stable, then unstable from the fold on.
     branch = found.points["branch"] == 2

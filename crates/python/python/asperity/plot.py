@@ -105,7 +105,7 @@ _OF_HITS = {
 #: Units of frequency response functions by the ends of their columns.
 _FRF_UNITS = {"m_per_n": "m/N", "s2": "s²"}
 
-#: Symbols of special points: kind, name, marker, filled.
+#: Symbols of special points: kind, name and marker.
 _SPECIAL = (
     ("fold", "fold", "o"),
     ("period_doubling", "period doubling", "s"),
@@ -126,8 +126,8 @@ def frf(
     """Draw a frequency response function over frequency in Hz.
 
     Of a simulation the natural frequency at rest and the peaks are marked, of an analysis the mean
-    fundamental, with its band shaded; frequencies without force are left out. Of a study the median is drawn with its bands
-    of 50 % and 95 %.
+    fundamental, with its band shaded; frequencies without force are left out. Of a study the median is
+    drawn with its bands of 50 % and 95 %.
 
     Parameters
     ----------
@@ -667,6 +667,12 @@ def _branches(found: SteadyResponses, ax: Axes | None, line: dict[str, Any]) -> 
     if ends.size:
         at = (points["frequency_hz"][ends], 1e6 * points["amplitude_1_m"][ends])
         axes.plot(*at, "x", color="black", markersize=4, label="contact lost")
+    levels = {level for level, one in enumerate(found.summary["levels"], 1) if one.get("end") != "reached"}
+    last = np.flatnonzero(np.append(np.diff(points["branch"]) != 0, True))
+    last = last[[int(number) in levels for number in points["branch"][last]]]
+    if last.size:
+        at = (points["frequency_hz"][last], 1e6 * points["amplitude_1_m"][last])
+        axes.plot(*at, "s", color="black", markersize=4, label="end of the branch")
     if found.backbones is not None:
         for kind, name, dash in _BACKBONES:
             of = found.backbones["backbone"] == kind
