@@ -20,7 +20,6 @@
 //! | `identify` | identification of laws |
 //! | `signal` | single steps of an analysis |
 //! | `figure` | the class `Figure` |
-//! | `command` | the command `asperity` |
 //! | `background` | long calls: without the interpreter's lock, with progress, stopped by Ctrl-C |
 //! | `columns`, `arrow` | columns as NumPy arrays, and as a stream of the Arrow C data interface |
 //! | `json` | documents between Python and Rust |
@@ -33,7 +32,6 @@ mod analyse;
 mod arrow;
 mod background;
 mod columns;
-mod command;
 mod exception;
 mod figure;
 mod identify;
@@ -47,17 +45,26 @@ mod steady;
 mod study;
 mod sweep;
 
+use std::ffi::OsString;
+
+/// Carries out a command line of `asperity`, without the name of the program; returns its exit status.
+#[pyo3::pyfunction]
+fn command(py: pyo3::Python<'_>, arguments: Vec<OsString>) -> u8 {
+    let line = std::iter::once(OsString::from("asperity")).chain(arguments);
+    py.detach(|| asperity_cli::run(line))
+}
+
 /// Native part of the package `asperity`.
 #[pyo3::pymodule]
 mod _asperity {
     use pyo3::prelude::*;
 
     #[pymodule_export]
+    use super::command;
+    #[pymodule_export]
     use crate::analyse::{analyse, decay};
     #[pymodule_export]
     use crate::arrow::arrow_stream;
-    #[pymodule_export]
-    use crate::command::command;
     #[pymodule_export]
     use crate::exception::{ComputationError, ScenarioError};
     #[pymodule_export]
