@@ -183,7 +183,7 @@ fn records_receptances_and_backbones_give_back_the_parameters() {
     let hit = json!({"force_peak_n": 15});
     let in_place = |channel: &Channel| {
         let Samples::Real(data) = &channel.samples else { panic!("real samples") };
-        json!({"name": channel.name, "unit": channel.unit.to_string(), "data": data})
+        json!({"name": channel.name, "unit": channel.unit.text(), "data": data})
     };
     let in_place: Vec<Value> = record.channels.iter().map(in_place).collect();
     let kinds = [

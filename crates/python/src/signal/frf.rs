@@ -310,7 +310,6 @@ pub(crate) fn restore_peak(
 #[pymethods]
 impl PyFrequencyResponse {
     /// Force and response, and whether their transforms are interpolated.
-    #[expect(clippy::type_complexity, reason = "a tuple of arrays")]
     fn parts<'py>(
         &self,
         py: Python<'py>,
