@@ -35,7 +35,8 @@ HEAD = """\
 
 <!-- Written by crates/python/reference.py from the docstrings of the package; edit these instead. -->
 
-All functions, classes and exceptions of the package `asperity` and of its module `asperity.signal`.
+All functions, classes and exceptions of the package `asperity` and of its modules `asperity.plot` and
+`asperity.signal`.
 [Use asperity in Python](../how-to/use-python.md) introduces them; the pages of the part "In Python" show each
 job. Numbers are in SI units, stated at the end of each name. `help(asperity.sweep)` prints the same text.
 
@@ -57,7 +58,18 @@ PARTS: tuple[tuple[str, ModuleType, tuple[str, ...]], ...] = (
     (
         "Responses",
         asperity,
-        ("simulate", "Simulation", "sweep", "Sweep", "steady", "SteadyResponses", "modes", "Modes"),
+        (
+            "simulate",
+            "Simulation",
+            "sweep",
+            "Sweep",
+            "study",
+            "Study",
+            "steady",
+            "SteadyResponses",
+            "modes",
+            "Modes",
+        ),
     ),
     (
         "Contact laws",
@@ -90,7 +102,12 @@ PARTS: tuple[tuple[str, ModuleType, tuple[str, ...]], ...] = (
     ("Identification of laws", asperity, ("identify", "Identification")),
     ("Tables and figures", asperity, ("Table", "Figure")),
     ("Exceptions", asperity, ("ScenarioError", "ComputationError")),
-    ("Warnings", asperity, ("AsperityWarning", "AccuracyWarning", "JudgementWarning")),
+    ("Warnings", asperity, ("AsperityWarning", "AccuracyWarning", "JudgementWarning", "NoticeWarning")),
+    (
+        "The module `asperity.plot`",
+        asperity.plot,
+        ("frf", "history", "law", "backbone", "features"),
+    ),
     (
         "The module `asperity.signal`",
         asperity.signal,
@@ -120,8 +137,8 @@ PARTS: tuple[tuple[str, ModuleType, tuple[str, ...]], ...] = (
     ),
 )
 
-#: Names of `asperity` that have no entry of their own.
-LEFT_OUT = {"__version__", "signal"}
+#: Names of modules that have no entry of their own.
+LEFT_OUT = {"STYLE", "__version__", "plot", "signal"}
 
 #: Classes of results, which only the package makes: their arguments are not shown.
 MADE = {
@@ -142,6 +159,7 @@ MADE = {
     "ResponseAnalysis",
     "Simulation",
     "SteadyResponses",
+    "Study",
     "Sweep",
 }
 
@@ -179,7 +197,9 @@ def page() -> str:
         unknown = listed - set(module.__all__)
         if missing or unknown:
             raise ValueError(f"{module.__name__}: not in the reference: {missing}; unknown: {unknown}")
-        links |= {name: f"#{anchor(module, name)}" for name in listed}
+        # Columns have the names of functions that draw them.
+        if module is not asperity.plot:
+            links |= {name: f"#{anchor(module, name)}" for name in listed}
     parts = [HEAD]
     for title, module, names in PARTS:
         parts.append(f"## {title}\n")
@@ -266,7 +286,7 @@ def signature(name: str, value: Callable[..., Any], *, owner: bool = False) -> s
         if parameter.kind is parameter.KEYWORD_ONLY and not keyword_only:
             texts.append("*")
             keyword_only = True
-        text = parameter.name
+        text = f"**{parameter.name}" if parameter.kind is parameter.VAR_KEYWORD else parameter.name
         if parameter.annotation is not parameter.empty:
             text += f": {shortened(parameter.annotation)}"
         if parameter.default is not parameter.empty:

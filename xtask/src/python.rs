@@ -1,9 +1,8 @@
 //! `cargo xtask python`: the Python package, as a wheel in a virtual environment of its own.
 //!
 //! The wheel is built with the profile of the other builds and installed under `target/python`.
-//! Its types are compared with its stubs, and its tests run: those that compare with the command
-//! take the program `asperity` beside this one, and skip where it has not been built. Then the
-//! notebooks of `docs/notebooks` are executed.
+//! Its types are compared with its stubs, and its tests run, with the command `asperity` that the
+//! wheel installs. Then the notebooks of `docs/notebooks` are executed.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -23,7 +22,7 @@ const TOOLS: [&str; 4] = ["maturin>=1.9,<2", "mypy", "numpy", "pytest"];
 
 /// Packages that results are compared with, that take tables, and that run the notebooks; tests
 /// without them skip, by name.
-const COMPARED: [&str; 9] = [
+const COMPARED: [&str; 10] = [
     "ipykernel",
     "matplotlib",
     "nbclient",
@@ -33,6 +32,7 @@ const COMPARED: [&str; 9] = [
     "pyFRF",
     "scipy",
     "sdypy-sep005",
+    "xarray",
 ];
 
 /// Variable that makes the package a condition, with this value.
@@ -55,9 +55,6 @@ pub(crate) fn run() -> Result<bool> {
     let call = |program: &Path, arguments: &[&str], folder: &Path| -> Result<bool> {
         let mut command = Command::new(program);
         command.args(arguments).current_dir(folder).env("PIP_DISABLE_PIP_VERSION_CHECK", "1");
-        if let Some(asperity) = command_beside_this() {
-            command.env("ASPERITY_COMMAND", asperity);
-        }
         let status = command.status().with_context(|| program.display().to_string())?;
         Ok(status.success())
     };
@@ -109,11 +106,4 @@ fn interpreter() -> Option<PathBuf> {
         command.args(["-c", ACCEPTED]).stdout(Stdio::null()).stderr(Stdio::null());
         command.status().is_ok_and(|status| status.success())
     })
-}
-
-/// Program `asperity` in the folder of this program.
-fn command_beside_this() -> Option<PathBuf> {
-    let name = format!("asperity{}", std::env::consts::EXE_SUFFIX);
-    let path = std::env::current_exe().ok()?.with_file_name(name);
-    path.is_file().then_some(path)
 }

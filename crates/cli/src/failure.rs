@@ -2,7 +2,6 @@
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use asperity_experiment::{AnalysisError, FUNCTION_ROLE};
 use asperity_figure::FigureError;
@@ -28,6 +27,8 @@ const MOST_SHOWN: usize = 20;
 /// Errors of the command.
 #[derive(Debug, Error)]
 pub(crate) enum Failure {
+    #[error("{0}")]
+    Usage(clap::Error),
     #[error(transparent)]
     Document(#[from] DocumentError),
     #[error("--set {argument}: {accepted}")]
@@ -100,12 +101,12 @@ impl From<StructureError> for Failure {
 }
 
 impl Failure {
-    /// 2 for a wrong request, 1 for a run that failed.
-    pub(crate) fn exit_code(&self) -> ExitCode {
+    /// 2 for a wrong request, 1 for a run that failed, 130 for a stopped one.
+    pub(crate) fn exit_status(&self) -> u8 {
         let request_is_wrong = match self {
-            Self::Stopped(_) | Self::StoppedStudy { .. } => return ExitCode::from(INTERRUPTED),
+            Self::Stopped(_) | Self::StoppedStudy { .. } => return INTERRUPTED,
             Self::Problem(error) if matches!(**error, IdentificationError::StoppedAtOnce) => {
-                return ExitCode::from(INTERRUPTED);
+                return INTERRUPTED;
             }
             Self::Study(error) => error.is_wrong_request(),
             Self::Parts { .. }
@@ -118,12 +119,13 @@ impl Failure {
             Self::Problem(error) => error.is_wrong_request(),
             _ => true,
         };
-        ExitCode::from(if request_is_wrong { 2 } else { 1 })
+        if request_is_wrong { 2 } else { 1 }
     }
 
     /// Shows the failure on standard error, with its place in the scenario where it has one.
     pub(crate) fn show(&self) {
         match self {
+            Self::Usage(error) => crate::usage::show(error),
             _ if crate::progress::logs_json() => {
                 if let Self::Invalid { source, .. } = self {
                     source.diagnostics.iter().for_each(|problem| tracing::error!("{problem}"));

@@ -1,27 +1,25 @@
 //! Hits cut out of the blocks of files.
 
-use std::path::PathBuf;
-
+use asperity_measure::MeasurementSource;
 use asperity_signal::{HitFinder, HitOptions, HitRecord, ResponseKind, SignalError};
 
 use crate::error::AnalysisError;
 use crate::options::AnalysisOptions;
-use crate::stream::{SampleBlock, SampleStream, as_sources};
+use crate::stream::{SampleBlock, SampleStream};
 use crate::trigger::{ForceEnvelope, TriggerSettings};
 
-/// Calls `take` with every hit of some files, cut as [`analyse`](crate::analyse) cuts them, and the
+/// Calls `take` with every hit of some files or records in memory, cut as [`analyse`](crate::analyse) cuts them, and the
 /// quantities of its responses.
 ///
 /// # Errors
 /// As [`analyse`](crate::analyse), except that a test without a good hit is accepted.
 pub fn for_each_hit(
-    files: &[PathBuf],
+    sources: &[MeasurementSource],
     options: &AnalysisOptions,
     take: &mut dyn FnMut(HitRecord, &[ResponseKind]),
 ) -> Result<(), AnalysisError> {
     options.check()?;
     let mut stream = SampleStream::new(options);
-    let sources = &as_sources(files);
     let (envelope, signals, _) = ForceEnvelope::of_sources(&mut stream, sources, &|_| {})?;
     let trigger = envelope.trigger_settings(options, signals.sample_rate_hz)?;
     let mut cutter = HitCutter::new(&trigger, options, signals.sample_rate_hz);

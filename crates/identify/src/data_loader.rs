@@ -53,7 +53,7 @@ impl Loader<'_> {
             }
             DataSpec::Records { files, rig, force, response, set, band_hz, spread, .. } => {
                 check_band(&place, *band_hz)?;
-                let files = records::record_files(folder, files)?;
+                let files = records::record_sources(folder, files)?;
                 let mut options = match rig {
                     Some(rig) => rig_options(&place, folder, rig)?,
                     None => AnalysisOptions::default(),

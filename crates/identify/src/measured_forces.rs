@@ -84,7 +84,7 @@ pub(super) fn forces_of(
 /// The hits of a record.
 fn forces_in(path: &Path, options: &AnalysisOptions) -> Result<Vec<HitRecord>, String> {
     let mut hits = Vec::new();
-    for_each_hit(&[path.to_owned()], options, &mut |hit, _| hits.push(hit))
+    for_each_hit(&[path.to_owned().into()], options, &mut |hit, _| hits.push(hit))
         .map_err(|error| error.to_string())?;
     Ok(hits)
 }

@@ -17,8 +17,8 @@ use serde_json::{Map, Value};
 use asperity_scenario::schema_of;
 
 pub use data::{
-    AnalysisRef, Cell, Changes, DataSpec, HitConditionsSpec, HitSpec, Measured, PulseSpec, RigRef,
-    SpreadSpec, TableRef, Uncertain,
+    AnalysisRef, Cell, Changes, DataSpec, HitConditionsSpec, HitSpec, Measured, PulseSpec,
+    RecordChannelSpec, RecordRef, RecordSpec, RigRef, SpreadSpec, TableRef, Uncertain,
 };
 pub use parameter::{
     ChannelSpec, LogNormalSpec, ParameterSpec, PriorSpec, ScaleSpec, SlopeSmoothness,

@@ -3,6 +3,9 @@
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
+use asperity_measure::{
+    Abscissa, Channel, ChannelQuantity, ChannelUnit, MeasurementSource, Origin, Record, Samples,
+};
 use asperity_signal::{
     Complex64, HitRecord, Offset, Pulse, QualityOptions, ResponseKind, quality_issues,
     transform_pair_at, white_density,
@@ -10,6 +13,7 @@ use asperity_signal::{
 
 use crate::data_files::ReceptanceLine;
 use crate::error::IdentificationError;
+use crate::problem::{RecordRef, RecordSpec};
 use asperity_experiment::{AnalysisOptions, for_each_hit, input_files};
 
 /// Largest number of lines of a receptance.
@@ -33,18 +37,55 @@ pub(super) struct RecordedHit {
     pub(super) lines: Vec<ReceptanceLine>,
 }
 
+/// Name of records in place.
+const IN_PLACE: &str = "records";
+
 /// The files that paths, folders and patterns name, relative to `folder`.
 pub(super) fn record_files(
     folder: &Path,
-    files: &[String],
+    files: &[RecordRef],
 ) -> Result<Vec<PathBuf>, IdentificationError> {
-    let files: Vec<PathBuf> = files.iter().map(|file| folder.join(file)).collect();
-    Ok(input_files(&files)?)
+    let named = files.iter().filter_map(|file| match file {
+        RecordRef::Files(file) => Some(folder.join(file)),
+        RecordRef::InPlace(_) => None,
+    });
+    let files: Vec<PathBuf> = named.collect();
+    Ok(if files.is_empty() { files } else { input_files(&files)? })
 }
 
-/// The valid hits of some files, with their receptances in a band \[Hz\].
+/// The files, as [`record_files`] names them, and after them the records in place.
+pub(super) fn record_sources(
+    folder: &Path,
+    files: &[RecordRef],
+) -> Result<Vec<MeasurementSource>, IdentificationError> {
+    let in_place = files.iter().filter_map(|file| match file {
+        RecordRef::Files(_) => None,
+        RecordRef::InPlace(record) => Some(in_place(record)),
+    });
+    let records: Vec<Record> = in_place.collect();
+    let mut sources: Vec<MeasurementSource> =
+        record_files(folder, files)?.into_iter().map(Into::into).collect();
+    if !records.is_empty() {
+        sources.push(MeasurementSource::Records { name: IN_PLACE.into(), records });
+    }
+    Ok(sources)
+}
+
+fn in_place(record: &RecordSpec) -> Record {
+    let channels = record.channels.iter().map(|channel| Channel {
+        name: channel.name.clone(),
+        quantity: ChannelQuantity::Unknown,
+        unit: ChannelUnit::of_text(&channel.unit),
+        abscissa: Abscissa::even_time(0.0, record.sample_rate_hz),
+        samples: Samples::Real(channel.data.iter().map(|x| x.unwrap_or(f64::NAN)).collect()),
+        origin: Origin::default(),
+    });
+    Record { channels: channels.collect(), ..Record::default() }
+}
+
+/// The valid hits of some records, with their receptances in a band \[Hz\].
 pub(super) fn hits(
-    files: &[PathBuf],
+    files: &[MeasurementSource],
     options: &AnalysisOptions,
     band: [f64; 2],
 ) -> Result<Vec<RecordedHit>, IdentificationError> {
@@ -55,7 +96,7 @@ pub(super) fn hits(
     })?;
     if found.is_empty() {
         return Err(IdentificationError::File {
-            path: files.first().cloned().unwrap_or_default(),
+            path: files.first().map(|file| file.name().to_owned()).unwrap_or_default(),
             problem: "no valid hit was found".to_owned(),
             expected: "records with hits that are neither double nor overloaded",
         });

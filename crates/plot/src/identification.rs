@@ -21,6 +21,7 @@ use asperity_figure::Figure;
 use asperity_identify::Identification;
 
 pub use design::measurement;
+pub use observations::feature_name;
 pub use report::identification_report;
 
 /// The figures with their names; those without anything to draw are left out.

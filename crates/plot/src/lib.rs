@@ -46,7 +46,7 @@ pub use analysis::{analysis_report, figures, responses};
 pub use answers::answers;
 pub use decay::{decay_figures, decay_report};
 pub use frf_file::frf_file;
-pub use identification::{identification, identification_report, measurement};
+pub use identification::{feature_name, identification, identification_report, measurement};
 pub use magnitude::MagnitudeAxis;
 pub use response::{frf, history};
 pub use steady::{steady, steady_report};

@@ -8,6 +8,7 @@ use asperity_measure::MeasureError;
 use asperity_scenario::{Diagnostic, DocumentError, InputError, InvalidDocument, SetError};
 use asperity_signal::SignalError;
 use asperity_simulation::error::SimulationError;
+use asperity_study::StudyError;
 use pyo3::create_exception;
 use pyo3::exceptions::{
     PyException, PyFileExistsError, PyFileNotFoundError, PyIsADirectoryError, PyOSError,
@@ -98,6 +99,13 @@ pub(crate) fn of_document(py: Python<'_>, error: &DocumentError) -> PyErr {
     scenario_error(py, message, &[fault])
 }
 
+/// Error of one place of a document.
+fn of_place(py: Python<'_>, pointer: String, message: String) -> PyErr {
+    let (accepted, suggestion) = (None, None);
+    let fault = DocumentFault { pointer, message: message.clone(), accepted, suggestion };
+    scenario_error(py, message, &[fault])
+}
+
 /// Error of a value that cannot be set.
 pub(crate) fn of_set(py: Python<'_>, message: String, error: &SetError) -> PyErr {
     let (accepted, suggestion) = match error {
@@ -144,6 +152,26 @@ pub(crate) fn of_study(py: Python<'_>, error: &SimulationError) -> PyErr {
     }
 }
 
+/// Error of a study over a design, its files included.
+pub(crate) fn of_design(py: Python<'_>, error: &StudyError) -> PyErr {
+    let message = error.to_string();
+    match error {
+        StudyError::Document(source) => of_document(py, source),
+        StudyError::Invalid(source) => of_invalid(py, source),
+        StudyError::Study(source) => of_study(py, source),
+        StudyError::Design { place, .. } | StudyError::Part { place, .. } => {
+            of_place(py, place.clone(), message)
+        }
+        StudyError::Begun { .. } => {
+            PyFileExistsError::new_err(format!("{message}: resume=True continues it"))
+        }
+        StudyError::Foreign { .. } => PyFileExistsError::new_err(message),
+        StudyError::Io { source, .. } => of_io(source, message),
+        _ if error.is_wrong_request() => PyValueError::new_err(message),
+        _ => PyOSError::new_err(message),
+    }
+}
+
 /// Error of measurements: OSError for a file that cannot be read, else ValueError.
 pub(crate) fn of_measure(error: &MeasureError) -> PyErr {
     match error {
@@ -182,15 +210,8 @@ pub(crate) fn of_identification(py: Python<'_>, error: &IdentificationError) -> 
         IdentificationError::Analysis(source) => of_analysis(source),
         IdentificationError::Input { path, source } => of_input(path, *source),
         error if error.place().is_some() => {
-            let pointer = error.place().unwrap_or_default().to_owned();
-            let message = error.to_string();
-            let fault = DocumentFault {
-                pointer,
-                message: message.clone(),
-                accepted: None,
-                suggestion: None,
-            };
-            scenario_error(py, message, &[fault])
+            let place = error.place().unwrap_or_default().to_owned();
+            of_place(py, place, error.to_string())
         }
         _ if error.is_wrong_request() => PyValueError::new_err(error.to_string()),
         _ => ComputationError::new_err(error.to_string()),

@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 
-use asperity_figure::{FigureError, svg_to_pdf, svg_to_png};
+use asperity_figure::{CATEGORIES, Color, FigureError, svg_to_pdf, svg_to_png};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -143,4 +143,17 @@ pub(crate) fn by_name<'py>(
 
 fn failed(error: &FigureError) -> PyErr {
     PyRuntimeError::new_err(error.to_string())
+}
+
+/// Colours of the figures: of lines of different kinds, in their order, and `count` from dark to light.
+#[pyfunction]
+pub(crate) fn palette(count: usize) -> (Vec<String>, Vec<String>) {
+    let kinds = CATEGORIES.iter().map(Color::to_string).collect();
+    (kinds, (0..count).map(|index| Color::ramp_step(index, count).to_string()).collect())
+}
+
+/// Label and unit of a feature; the label has subscripts such as `f_{1}`.
+#[pyfunction]
+pub(crate) fn feature_name(feature: &str) -> (String, &'static str) {
+    asperity_plot::feature_name(feature)
 }

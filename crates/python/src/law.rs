@@ -92,10 +92,11 @@ impl PyLaw {
         (json!(self.spec).to_string(), self.reference_pa.map(f64::to_bits))
     }
 
-    /// Applies a function to every number of an array.
+    /// Applies a function to every number of an array; a Series becomes one with the name `column`.
     fn map<'py>(
         values: &Bound<'py, PyAny>,
         name: &str,
+        column: &str,
         function: impl Fn(f64) -> f64 + Sync,
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = values.py();
@@ -110,7 +111,8 @@ impl PyLaw {
         let shape: Vec<usize> = numbers.shape().to_vec();
         let found = PyArray1::from_vec(py, found).reshape(shape)?;
         // An array of no dimension becomes a number.
-        found.get_item(pyo3::types::PyTuple::empty(py))
+        let found = found.get_item(pyo3::types::PyTuple::empty(py))?;
+        py.import("asperity._numbers")?.call_method1("like", (values, found, column))
     }
 }
 
@@ -152,7 +154,7 @@ impl PyLaw {
     ///
     /// Returns
     /// -------
-    /// float or ndarray of the shape of `pressure`
+    /// float, or ndarray or Series like `pressure`
     ///     In Pa/m; zero below the domain, NaN for NaN.
     ///
     /// Raises
@@ -160,7 +162,7 @@ impl PyLaw {
     /// TypeError
     ///     If the pressures are not real numbers.
     fn stiffness<'py>(&self, pressure: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        Self::map(pressure, "pressure", |p| self.law.stiffness(p))
+        Self::map(pressure, "pressure", "stiffness_pa_per_m", |p| self.law.stiffness(p))
     }
 
     /// Slope ``dK/dp`` of the stiffness at pressures.
@@ -172,7 +174,7 @@ impl PyLaw {
     ///
     /// Returns
     /// -------
-    /// float or ndarray of the shape of `pressure`
+    /// float, or ndarray or Series like `pressure`
     ///     In 1/m; infinite where the stiffness leaves zero with a vertical tangent, NaN for NaN.
     ///
     /// Raises
@@ -180,7 +182,7 @@ impl PyLaw {
     /// TypeError
     ///     If the pressures are not real numbers.
     fn stiffness_slope<'py>(&self, pressure: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        Self::map(pressure, "pressure", |p| self.law.stiffness_slope(p))
+        Self::map(pressure, "pressure", "stiffness_slope_per_m", |p| self.law.stiffness_slope(p))
     }
 
     /// Closure at pressures.
@@ -192,7 +194,7 @@ impl PyLaw {
     ///
     /// Returns
     /// -------
-    /// float or ndarray of the shape of `pressure`
+    /// float, or ndarray or Series like `pressure`
     ///     In m, from `reference_pa`; NaN for NaN.
     ///
     /// Raises
@@ -200,7 +202,7 @@ impl PyLaw {
     /// TypeError
     ///     If the pressures are not real numbers.
     fn closure<'py>(&self, pressure: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        Self::map(pressure, "pressure", |p| self.law.closure(p))
+        Self::map(pressure, "pressure", "closure_m", |p| self.law.closure(p))
     }
 
     /// Pressure at closures.
@@ -212,7 +214,7 @@ impl PyLaw {
     ///
     /// Returns
     /// -------
-    /// float or ndarray of the shape of `closure`
+    /// float, or ndarray or Series like `closure`
     ///     In Pa; zero where contact is lost, infinite beyond `closure_limit_m`, NaN for NaN.
     ///
     /// Raises
@@ -220,7 +222,7 @@ impl PyLaw {
     /// TypeError
     ///     If the closures are not real numbers.
     fn pressure<'py>(&self, closure: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        Self::map(closure, "closure", |d| self.law.pressure(d).value)
+        Self::map(closure, "closure", "pressure_pa", |d| self.law.pressure(d).value)
     }
 
     /// Stored energy per area at closures.
@@ -232,7 +234,7 @@ impl PyLaw {
     ///
     /// Returns
     /// -------
-    /// float or ndarray of the shape of `closure`
+    /// float, or ndarray or Series like `closure`
     ///     In J/m2; NaN for NaN.
     ///
     /// Raises
@@ -240,7 +242,7 @@ impl PyLaw {
     /// TypeError
     ///     If the closures are not real numbers.
     fn energy<'py>(&self, closure: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        Self::map(closure, "closure", |d| self.law.energy(d))
+        Self::map(closure, "closure", "energy_j_per_m2", |d| self.law.energy(d))
     }
 
     /// The law as in a scenario.

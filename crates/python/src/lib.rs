@@ -14,6 +14,7 @@
 //! | `scenario` | the class `Scenario` |
 //! | `law` | the class `Law`, laws of a scenario, fits |
 //! | `simulate`, `sweep`, `steady` | one transient run; many; steady responses and modes |
+//! | `study` | studies over designs |
 //! | `measurement` | channels in arrays as records, and back |
 //! | `analyse` | analyses of hits and of free decays |
 //! | `identify` | identification of laws |
@@ -41,7 +42,17 @@ mod scenario;
 mod signal;
 mod simulate;
 mod steady;
+mod study;
 mod sweep;
+
+use std::ffi::OsString;
+
+/// Carries out a command line of `asperity`, without the name of the program; returns its exit status.
+#[pyo3::pyfunction]
+fn command(py: pyo3::Python<'_>, arguments: Vec<OsString>) -> u8 {
+    let line = std::iter::once(OsString::from("asperity")).chain(arguments);
+    py.detach(|| asperity_cli::run(line))
+}
 
 /// Native part of the package `asperity`.
 #[pyo3::pymodule]
@@ -49,13 +60,15 @@ mod _asperity {
     use pyo3::prelude::*;
 
     #[pymodule_export]
+    use super::command;
+    #[pymodule_export]
     use crate::analyse::{analyse, decay};
     #[pymodule_export]
     use crate::arrow::arrow_stream;
     #[pymodule_export]
     use crate::exception::{ComputationError, ScenarioError};
     #[pymodule_export]
-    use crate::figure::{PyFigure, restore_figure};
+    use crate::figure::{PyFigure, feature_name, palette, restore_figure};
     #[pymodule_export]
     use crate::identify::identify;
     #[pymodule_export]
@@ -65,9 +78,11 @@ mod _asperity {
     #[pymodule_export]
     use crate::scenario::{PyScenario, restore_scenario};
     #[pymodule_export]
-    use crate::signal::damping::{backbone, circle_fit, logarithmic_decrement};
+    use crate::signal::damping::{backbone, circle_fit, decay_length, logarithmic_decrement};
     #[pymodule_export]
-    use crate::signal::frf::{PyFrequencyResponse, PyFrfAverage, PyPeak, convert_frf};
+    use crate::signal::frf::{
+        PyFrequencyResponse, PyFrfAverage, PyPeak, convert_frf, restore_peak,
+    };
     #[pymodule_export]
     use crate::signal::hits::{find_hits, pulse, quality_issues};
     #[pymodule_export]
@@ -79,6 +94,8 @@ mod _asperity {
     use crate::simulate::simulate;
     #[pymodule_export]
     use crate::steady::{modes, steady};
+    #[pymodule_export]
+    use crate::study::study;
     #[pymodule_export]
     use crate::sweep::{sweep, sweep_rows};
 

@@ -158,6 +158,57 @@ impl PyScenario {
         call(("asperity._sweep", "sweep"), (slf, vary), options.into_py_dict(slf.py())?)
     }
 
+    /// Run the scenario over a design of its inputs, as the function `study` does.
+    ///
+    /// Parameters
+    /// ----------
+    /// study : mapping
+    ///     The study without its ``scenario``, which is this one: ``inputs`` or ``draws``, ``design`` and
+    ///     the settings; ``schema`` may be left out.
+    /// folder : str or os.PathLike, optional
+    ///     Folder that relative file names in the study and in the scenario start from; that of the
+    ///     scenario by default.
+    /// out, resume, level, probabilities, exceed, threads, progress
+    ///     As for the function `study`.
+    ///
+    /// Returns
+    /// -------
+    /// Study
+    ///     A table of a row per run, with quantiles, exceedance probabilities and Sobol indices.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If the study is not a mapping.
+    /// ValueError
+    ///     If it has a scenario of its own.
+    #[pyo3(signature = (study, *, folder = None, out = None, resume = false, level = 0.95,
+        probabilities = vec![0.05, 0.25, 0.5, 0.75, 0.95], exceed = None, threads = None, progress = None))]
+    #[allow(clippy::too_many_arguments, reason = "the options of the function")]
+    fn study<'py>(
+        slf: &Bound<'py, Self>,
+        study: Bound<'py, PyAny>,
+        folder: Option<Bound<'py, PyAny>>,
+        out: Option<Bound<'py, PyAny>>,
+        resume: bool,
+        level: f64,
+        probabilities: Vec<f64>,
+        exceed: Option<Bound<'py, PyAny>>,
+        threads: Option<Bound<'py, PyAny>>,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let options =
+            [("folder", folder), ("out", out), ("threads", threads), ("progress", progress)];
+        let options = options.into_py_dict(slf.py())?;
+        options.set_item("resume", resume)?;
+        options.set_item("level", level)?;
+        options.set_item("probabilities", probabilities)?;
+        if let Some(exceed) = exceed {
+            options.set_item("exceed", exceed)?;
+        }
+        call(("asperity._study", "study_of"), (slf, study), options)
+    }
+
     /// Follow branches of steady responses, as the function `steady` does.
     ///
     /// Parameters
@@ -166,22 +217,41 @@ impl PyScenario {
     ///     Amplitudes of the force in N, or of the acceleration of a moving base in m/s2.
     /// from_hz, to_hz : float
     ///     Range of frequencies in Hz.
-    /// options
-    ///     Those of the function `steady`, by their names.
+    /// harmonics, backbone, verify, bodies, time_sweep, time_sweep_points, threads, progress
+    ///     As for the function `steady`.
     ///
     /// Returns
     /// -------
     /// SteadyResponses
     ///     Branches, backbones and stepped sines as tables.
-    #[pyo3(signature = (amplitudes_n, from_hz, to_hz, **options))]
+    #[pyo3(signature = (amplitudes_n, from_hz, to_hz, *, harmonics = None, backbone = false, verify = false,
+        bodies = "auto", time_sweep = None, time_sweep_points = 201, threads = None, progress = None))]
+    #[allow(clippy::too_many_arguments, reason = "the options of the function")]
     fn steady<'py>(
         slf: &Bound<'py, Self>,
         amplitudes_n: Bound<'py, PyAny>,
         from_hz: Bound<'py, PyAny>,
         to_hz: Bound<'py, PyAny>,
-        options: Option<Bound<'py, PyDict>>,
+        harmonics: Option<Bound<'py, PyAny>>,
+        backbone: bool,
+        verify: bool,
+        bodies: &str,
+        time_sweep: Option<Bound<'py, PyAny>>,
+        time_sweep_points: i64,
+        threads: Option<Bound<'py, PyAny>>,
+        progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let options = options.unwrap_or_else(|| PyDict::new(slf.py()));
+        let options = [
+            ("harmonics", harmonics),
+            ("time_sweep", time_sweep),
+            ("threads", threads),
+            ("progress", progress),
+        ];
+        let options = options.into_py_dict(slf.py())?;
+        options.set_item("backbone", backbone)?;
+        options.set_item("verify", verify)?;
+        options.set_item("bodies", bodies)?;
+        options.set_item("time_sweep_points", time_sweep_points)?;
         call(("asperity._steady", "steady"), (slf, amplitudes_n, from_hz, to_hz), options)
     }
 
@@ -196,15 +266,9 @@ impl PyScenario {
     /// -------
     /// Modes
     ///     Frequencies in Hz, damping ratios and shapes.
-    #[pyo3(signature = (count = None))]
-    fn modes<'py>(
-        slf: &Bound<'py, Self>,
-        count: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let options = PyDict::new(slf.py());
-        if let Some(count) = count {
-            options.set_item("count", count)?;
-        }
+    #[pyo3(signature = (count = 4))]
+    fn modes<'py>(slf: &Bound<'py, Self>, count: i64) -> PyResult<Bound<'py, PyAny>> {
+        let options = [("count", count)].into_py_dict(slf.py())?;
         call(("asperity._steady", "modes"), (slf,), options)
     }
 

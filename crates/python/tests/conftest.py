@@ -6,6 +6,7 @@ import csv
 import json
 import os
 import subprocess
+import sysconfig
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -60,15 +61,16 @@ def assert_same_columns(table: Any, path: Path) -> None:
             np.testing.assert_array_equal(finite, expected, err_msg=name, strict=False)
 
 
+#: The command, as the package installs it.
+COMMAND = Path(sysconfig.get_path("scripts")) / ("asperity.exe" if os.name == "nt" else "asperity")
+
+
 @pytest.fixture(scope="session")
 def command() -> Callable[..., dict[str, Any]]:
-    """The command `asperity` of this repository: runs it, returns its answer."""
-    found = os.environ.get("ASPERITY_COMMAND")
-    if not found:
-        pytest.skip("ASPERITY_COMMAND does not name the command asperity")
+    """The command `asperity` of the package: runs it, returns its answer."""
 
     def run(*arguments: object) -> dict[str, Any]:
-        line = [found, *map(str, arguments), "--json", "--quiet"]
+        line = [str(COMMAND), *map(str, arguments), "--json", "--quiet"]
         done = subprocess.run(line, check=True, capture_output=True, text=True, timeout=600)
         answer: dict[str, Any] = json.loads(done.stdout)
         return answer

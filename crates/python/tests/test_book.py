@@ -13,11 +13,14 @@ from typing import Any
 
 import pytest
 
-from conftest import ROOT, SCENARIOS
+from conftest import COMMAND, ROOT, SCENARIOS
 
 BOOK = ROOT / "docs" / "src"
 OVERVIEW = BOOK / "how-to" / "use-python.md"
 PAGES = sorted((BOOK / "python").glob("*.md"))
+
+#: The page with pictures, which its program writes; it has no original without Python.
+GALLERY = BOOK / "python" / "gallery.md"
 
 #: Fixtures that the pages use.
 FIXTURES = ("problems", "reference/measure", "scenarios")
@@ -72,22 +75,23 @@ def test_the_overview_runs(
 def test_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     blocks = blocks_of(page)
     assert blocks
-    if any("subprocess" in imported(block) for _, block in blocks):
-        command = os.environ.get("ASPERITY_COMMAND")
-        if not command:
-            pytest.skip("ASPERITY_COMMAND does not name the command asperity")
-        folders = [str(Path(command).parent), os.environ["PATH"]]
-        monkeypatch.setenv("PATH", os.pathsep.join(folders))
+    # Pages that call the command find that of the package.
+    monkeypatch.setenv("PATH", os.pathsep.join([str(COMMAND.parent), os.environ["PATH"]]))
     # A page starts at the root of a checkout: here a copy, so that the files it writes stay in it.
     for folder in FIXTURES:
         shutil.copytree(ROOT / "fixtures" / folder, tmp_path / "fixtures" / folder)
     monkeypatch.chdir(tmp_path)
     missing = run(page, blocks)
+    pictures = re.findall(r"^!\[[^\]]+\]\((\S+)\)$", page.read_text(encoding="utf-8"), re.M)
+    assert not pictures or page == GALLERY
+    for picture in pictures:
+        assert (page.parent / picture).exists(), picture
+        assert missing or (tmp_path / picture).exists(), picture
     if missing:
         pytest.skip(f"all blocks ran but those that import {', '.join(missing)}")
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", [page for page in PAGES if page != GALLERY], ids=lambda page: page.stem)
 def test_a_page_and_its_original_lead_to_each_other(page: Path) -> None:
     originals = [BOOK / folder / page.name for folder in ("tutorial", "how-to")]
     (original,) = (path for path in originals if path.exists())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import pickle
 from collections.abc import Callable
@@ -225,3 +226,40 @@ def test_an_exception_of_the_progress_function_stops_the_identification() -> Non
 
     with pytest.raises(LookupError, match="stopped at"):
         asperity.identify(slow_problem(), progress=stop)
+
+
+# Fixed steps keep it short.
+@pytest.mark.filterwarnings("ignore::asperity.AccuracyWarning", "ignore::asperity.JudgementWarning")
+def test_records_may_be_arrays(tmp_path: Path) -> None:
+    """Samples in memory give the law of the same samples in a file."""
+    scenario = asperity.Scenario(rig()).with_(
+        {"/method": {"kind": "modal", "step_s": 1e-5, "modes_per_body": 3}, "/output_rate_hz": 50_000}
+    )
+    history = scenario.with_({"/laws/pl/coefficient": 1.6e10}).simulate().history
+    hit = asperity.Table({name: history[name] for name in ("time_s", "force_n", "acceleration_m_per_s2")})
+    asperity.write(tmp_path / "hit.npz", hit)
+    arrays = np.stack([hit["force_n"], hit["acceleration_m_per_s2"]])
+    channels = [{"name": "hammer", "unit": "N"}, {"name": "top", "unit": "m/s^2"}]
+    settings = {"sample_rate_hz": 50_000, "channels": channels}
+    laws = []
+    for files, rig_settings in [
+        ([str(tmp_path / "hit.npz")], {}),
+        (hit, {}),
+        ([hit.to_pandas()] if importlib.util.find_spec("pandas") else [hit], {}),
+        (asperity.to_sep005(hit), {}),
+        (arrays, {"rig": {"schema": "asperity/rig/1", **settings}}),
+    ]:
+        data = {"kind": "records", "files": files, "band_hz": [600, 1100], **rig_settings}
+        problem = {
+            "unknowns": [{"kind": "scalar", "pointer": "/laws/pl/coefficient", "bounds": [1e10, 3e10]}],
+            "data": [{**data, "spread": {"relative": 1e-3}}],
+            "starts": 1,
+            "draws": 100,
+        }
+        laws.append(scenario.identify(problem, fast=True).law)
+    assert laws[0] is not None
+    assert laws[0]["coefficient"] == pytest.approx(1.6e10, rel=5e-3)
+    assert all(law == laws[0] for law in laws)
+    uneven = asperity.Table({**hit.to_dict(), "time_s": hit["time_s"] ** 1.2})
+    with pytest.raises(ValueError, match="even times"):
+        scenario.identify({"unknowns": [], "data": [{"kind": "records", "files": uneven}]})

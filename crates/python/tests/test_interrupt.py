@@ -12,7 +12,7 @@ import pytest
 PROGRAM = """
 import signal
 import numpy as np
-import asperity, test_identify, test_simulate
+import asperity, test_identify, test_simulate, test_study
 from conftest import SCENARIOS
 
 RIG = SCENARIOS / "nouira2020-modified.json"
@@ -40,6 +40,10 @@ CALLS = {
     "steady": (
         "asperity.steady(RIG, np.linspace(0.5, 12, 200), 1000, 500, harmonics=60, "
         'time_sweep="both", progress=running)'
+    ),
+    "study": (
+        "asperity.Scenario(RIG).study({**test_study.STUDY, "
+        '"design": {"kind": "saltelli", "base_rows": 20000}}, progress=running)'
     ),
     "identify": "asperity.identify(test_identify.slow_problem(), progress=running)",
 }

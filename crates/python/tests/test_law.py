@@ -338,3 +338,20 @@ def test_figures_are_saved_in_three_formats(tmp_path: Path) -> None:
     with pytest.raises(OSError):
         figure.save(tmp_path / "none" / "law.svg")
     assert figure._repr_svg_() == figure.svg()
+
+
+def test_a_series_gives_a_series() -> None:
+    law = asperity.Law({"kind": "power", "coefficient": 1.81e10, "exponent": 0.35})
+    pressures = [1e5, 2e5]
+    pandas = pytest.importorskip("pandas")
+    found = law.stiffness(pandas.Series(pressures, index=["a", "b"], name="pressure_pa"))
+    assert (found.name, found.index.tolist()) == ("stiffness_pa_per_m", ["a", "b"])
+    np.testing.assert_array_equal(found, law.stiffness(pressures))
+    assert isinstance(law.stiffness(pandas.Index(pressures)), np.ndarray)
+    polars = pytest.importorskip("polars")
+    column = law.closure(polars.Series("pressure_pa", pressures))
+    assert isinstance(column, polars.Series) and column.name == "closure_m"
+    np.testing.assert_array_equal(column.to_numpy(), law.closure(pressures))
+    xarray = pytest.importorskip("xarray")
+    array = law.stiffness(xarray.DataArray(pressures, coords={"time_s": [0.0, 1.0]}, dims=["time_s"]))
+    assert array.dims == ("time_s",) and array.name == "stiffness_pa_per_m"

@@ -155,7 +155,7 @@ def test_methods_give_what_the_functions_give() -> None:
     assert scenario.modes(2) == asperity.modes(scenario, 2)
     assert scenario.modes() == asperity.modes(scenario)
     with pytest.raises(TypeError, match="harmonic"):
-        scenario.steady(*span, harmonic=3)
+        scenario.steady(*span, harmonic=3)  # type: ignore[call-arg]
     with pytest.raises(TypeError, match="`vary` or `rows`"):
         scenario.sweep()
     with pytest.raises(ValueError, match="count"):

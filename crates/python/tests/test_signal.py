@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -420,3 +422,28 @@ def test_threads_may_share_an_average() -> None:
 def test_the_toolbox_is_part_of_the_package() -> None:
     assert asperity.signal is signal
     assert all(getattr(signal, name).__doc__ for name in signal.__all__)
+
+
+def test_native_objects_are_copied_pickled_and_compared() -> None:
+    force, acceleration = hammer.record()
+    samples = round(hammer.RATE)
+    hits = [slice(number * samples, (number + 1) * samples) for number in range(3)]
+    average = signal.FrfAverage(samples, hammer.RATE)
+    for hit in hits[:2]:
+        average.push(force[hit], acceleration[hit])
+    same = pickle.loads(pickle.dumps(average))
+    assert same == average == copy.deepcopy(average)
+    # Each has sums of its own.
+    same.push(force[hits[2]], acceleration[hits[2]])
+    assert (same.averages, average.averages) == (3, 2) and same != average
+    average.push(force[hits[2]], acceleration[hits[2]])
+    assert same == average
+    np.testing.assert_array_equal(same.spread(), average.spread())
+    for response in (average.response(), signal.FrequencyResponse(force, acceleration, hammer.RATE)):
+        again = pickle.loads(pickle.dumps(response))
+        assert again == response
+        np.testing.assert_array_equal(again.receptance([99.0, 100.0]), response.receptance([99.0, 100.0]))
+    peak = average.response().find_harmonics(100.0).fundamental
+    assert peak is not None
+    assert pickle.loads(pickle.dumps(peak)) == peak and hash(copy.copy(peak)) == hash(peak)
+    assert peak != average.response() and average != peak

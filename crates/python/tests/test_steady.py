@@ -119,3 +119,13 @@ def test_numbers_out_of_range_are_named(
 ) -> None:
     with pytest.raises(error, match=words):
         call()
+
+
+def test_a_moving_base_has_accelerations() -> None:
+    scenario = asperity.Scenario(SCENARIOS / "nouira2020-modified.json").with_({"/method": "modal"})
+    moved = {"kind": "harmonic", "amplitude_m_per_s2": 1, "frequency_hz": 300}
+    moving = scenario.with_({"/excitation": {"kind": "base_motion", "acceleration": moved}})
+    found = moving.steady([0.2, 0.6], 700, 1000, harmonics=5)
+    assert found.peaks["base_acceleration_m_per_s2"].tolist() == [0.2, 0.6]
+    assert found.special_points.rows > 0
+    assert set(found.special_points["base_acceleration_m_per_s2"]) == {0.6}

@@ -166,3 +166,14 @@ def test_without_pandas_the_error_names_it(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ImportError, match="pip install pandas"):
         asperity.Table({"x": [1.0]}).to_pandas()
+
+
+def test_a_table_becomes_a_dataset_over_its_times() -> None:
+    pytest.importorskip("xarray")
+    table = asperity.Table({"time_s": [0.0, 0.1], "force_n": [1.0, 2.0], "kind": ["a", "b"]})
+    found = table.to_xarray()
+    assert found["force_n"].dims == ("time_s",)
+    assert found["force_n"].attrs == {"units": "N"} and found["time_s"].attrs == {"units": "s"}
+    assert found["kind"].attrs == {}
+    np.testing.assert_array_equal(found["force_n"].sel(time_s=0.1), 2.0)
+    assert asperity.Table({"time_s": [0.1, 0.1]}).to_xarray()["time_s"].dims == ("row",)

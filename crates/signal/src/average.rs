@@ -79,6 +79,21 @@ pub struct FrfAverage {
     magnitude: RunningVariance,
 }
 
+/// Sums of an average over its hits, by which it is stored.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrfSums {
+    /// Number of hits.
+    pub averages: usize,
+    /// Sums of `|F|^2`, at the lines and between.
+    pub force: Vec<f64>,
+    /// Sums of `|X|^2`.
+    pub response: Vec<f64>,
+    /// Sums of `conj(F) X`.
+    pub cross: Vec<Complex64>,
+    /// Mean of `|X/F|`, and sum of the squared deviations from it, at the lines.
+    pub magnitude: [Vec<f64>; 2],
+}
+
 impl FrfAverage {
     /// An empty average.
     ///
@@ -118,6 +133,36 @@ impl FrfAverage {
             cross: vec![Complex64::ZERO; bins],
             magnitude: RunningVariance::new(length / 2 + 1),
         })
+    }
+
+    /// The sums over the hits so far.
+    pub fn sums(&self) -> FrfSums {
+        FrfSums {
+            averages: self.averages,
+            force: self.force.clone(),
+            response: self.response.clone(),
+            cross: self.cross.clone(),
+            magnitude: self.magnitude.clone().into_parts(),
+        }
+    }
+
+    /// An average of the same settings with other [`sums`](Self::sums).
+    ///
+    /// # Errors
+    /// [`SignalError::LengthMismatch`] for those of an average of another length.
+    pub fn with_sums(self, sums: FrfSums) -> Result<Self> {
+        let lengths = [sums.force.len(), sums.response.len(), sums.cross.len()];
+        let bins = self.force.len();
+        if let Some(&other) = lengths.iter().find(|length| **length != bins) {
+            return Err(SignalError::LengthMismatch { force: bins, response: other });
+        }
+        let lines = self.length / 2 + 1;
+        if let Some(other) = sums.magnitude.iter().find(|values| values.len() != lines) {
+            return Err(SignalError::LengthMismatch { force: lines, response: other.len() });
+        }
+        let FrfSums { averages, force, response, cross, magnitude } = sums;
+        let magnitude = RunningVariance::from_parts(magnitude);
+        Ok(Self { averages, force, response, cross, magnitude, ..self })
     }
 
     /// Adds a hit and returns its own frequency response function `X/F`.

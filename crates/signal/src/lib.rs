@@ -99,7 +99,7 @@ mod uncertainty;
 mod window;
 
 pub use average::{
-    Coherence, FrfAverage, FrfEstimator, HvScaling, MagnitudeSpread, SpectralDensity,
+    Coherence, FrfAverage, FrfEstimator, FrfSums, HvScaling, MagnitudeSpread, SpectralDensity,
 };
 pub use damping::{
     CircleFit, DampingComparison, HalfPower, circle_fit, circle_fit_of, half_power,

@@ -131,9 +131,15 @@ impl FrequencyResponse {
         })
     }
 
+    /// True for [interpolated](Self::interpolated) transforms.
+    pub fn is_interpolated(&self) -> bool {
+        self.interpolations.is_some()
+    }
+
     /// The response with interpolated transforms, a few products per frequency instead of a sum over
     /// all samples, to 2e-14 of `dt sum |x|`.
-    pub(crate) fn interpolated(self) -> Self {
+    #[must_use]
+    pub fn interpolated(self) -> Self {
         let signals = [&self.force, &self.samples];
         let interpolations = signals.map(|signal| Interpolation::new(signal, self.sample_rate_hz));
         Self { interpolations: Some(interpolations), ..self }

@@ -7,7 +7,7 @@ use asperity_sampling::{
     SummaryRequest, ValueColumn,
 };
 use asperity_simulation::quantity::{frf_frequency, unit_of};
-use asperity_table::CsvWriter;
+use asperity_table::DataTable;
 use serde_json::{Value, json};
 
 use crate::error::StudyError;
@@ -97,26 +97,17 @@ impl FrfBand {
         })
     }
 
-    /// The bands as CSV, a row for each frequency.
-    pub fn csv(&self) -> String {
-        let mut csv = CsvWriter::with_header([
-            "frequency_hz",
-            "runs",
-            "median_m_per_n",
-            "lower_m_per_n",
-            "upper_m_per_n",
-            "lower_50_m_per_n",
-            "upper_50_m_per_n",
-        ]);
-        for ((&frequency, &runs), quantiles) in
-            self.frequency_hz.iter().zip(&self.runs).zip(&self.quantiles)
-        {
-            let &[low, first, median, third, high] = quantiles;
-            csv.number(frequency).number(runs as f64);
-            let finite = |value: f64| value.is_finite().then_some(value);
-            csv.numbers([median, low, high, first, third].map(finite)).end_row();
-        }
-        csv.into_string()
+    /// The bands, a row for each frequency.
+    pub fn table(&self) -> DataTable {
+        let column = |at: usize| self.quantiles.iter().map(move |quantiles| quantiles[at]);
+        DataTable::new()
+            .numbers("frequency_hz", self.frequency_hz.iter().copied())
+            .counts("runs", self.runs.iter().map(|&runs| count(runs)))
+            .numbers("median_m_per_n", column(2))
+            .numbers("lower_m_per_n", column(0))
+            .numbers("upper_m_per_n", column(4))
+            .numbers("lower_50_m_per_n", column(1))
+            .numbers("upper_50_m_per_n", column(3))
     }
 }
 
@@ -197,38 +188,49 @@ impl StudyAnswers {
         })
     }
 
-    /// The histograms as CSV: name, unit, edges, and number of runs, a row for each bin. The first and
-    /// the last row of an observable are the runs beyond its bins, without the outer edge.
-    pub fn histograms_csv(&self) -> String {
-        let mut csv = CsvWriter::with_header(["name", "unit", "lower", "upper", "runs"]);
+    /// The histograms: name, unit, edges, and number of runs, a row for each bin. The first and the last
+    /// row of an observable are the runs beyond its bins, without the outer edge.
+    pub fn histograms(&self) -> DataTable {
+        let (mut names, mut units, mut runs) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut lower, mut upper) = (Vec::new(), Vec::new());
         for one in &self.observables {
             let Some(histogram) = &one.histogram else { continue };
-            let mut row = |lower: Option<f64>, upper: Option<f64>, runs: u64| {
-                csv.text(&one.name).text(one.unit()).numbers([lower, upper]).number(runs as f64);
-                csv.end_row();
-            };
-            row(None, Some(histogram.low), histogram.below);
-            for (edges, &runs) in histogram.edges().windows(2).zip(&histogram.counts) {
-                row(Some(edges[0]), Some(edges[1]), runs);
-            }
-            row(Some(histogram.high), None, histogram.above);
+            let edges = histogram.edges();
+            let bins = histogram.counts.len();
+            lower.extend([&[f64::NAN], &edges[..bins], &[histogram.high]].concat());
+            upper.extend([&[histogram.low], &edges[1..], &[f64::NAN]].concat());
+            runs.extend([&[histogram.below], &*histogram.counts, &[histogram.above]].concat());
+            names.resize(runs.len(), one.name.clone());
+            units.resize(runs.len(), one.unit().to_owned());
         }
-        csv.into_string()
+        DataTable::new()
+            .with("name", names)
+            .with("unit", units)
+            .with("lower", lower)
+            .with("upper", upper)
+            .counts("runs", runs.into_iter().map(count))
     }
 
-    /// The exceedance curves as CSV: name, unit, value, probability of values at or above it, and ends
-    /// of its interval.
-    pub fn exceedance_csv(&self) -> String {
-        let header = ["name", "unit", "value", "probability", "low", "high"];
-        let mut csv = CsvWriter::with_header(header);
-        for one in &self.observables {
-            for (value, share) in &one.exceedance_curve {
-                csv.text(&one.name).text(one.unit());
-                csv.numbers([*value, share.value, share.low, share.high]).end_row();
-            }
-        }
-        csv.into_string()
+    /// The exceedance curves: name, unit, value, probability of values at or above it, and ends of its
+    /// interval.
+    pub fn exceedance(&self) -> DataTable {
+        let points = || {
+            let of = |one| move |point| (one, point);
+            self.observables.iter().flat_map(move |one| one.exceedance_curve.iter().map(of(one)))
+        };
+        DataTable::new()
+            .texts("name", points().map(|(one, _)| one.name.as_str()))
+            .texts("unit", points().map(|(one, _)| one.unit()))
+            .numbers("value", points().map(|(_, (value, _))| *value))
+            .numbers("probability", points().map(|(_, (_, share))| share.value))
+            .numbers("low", points().map(|(_, (_, share))| share.low))
+            .numbers("high", points().map(|(_, (_, share))| share.high))
     }
+}
+
+/// A number of runs, which are fewer than the address space has bytes.
+fn count(runs: u64) -> usize {
+    usize::try_from(runs).unwrap_or(usize::MAX)
 }
 
 /// The answers of a study whose table is complete.

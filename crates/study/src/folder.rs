@@ -18,7 +18,7 @@ use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
-use asperity_table::CsvWriter;
+use asperity_table::{CsvWriter, DataTable};
 use serde_json::{Value, json};
 
 use crate::error::StudyError;
@@ -197,6 +197,17 @@ impl StudyFolder {
             self.merge()?;
         }
         StudyTable::open(self.path.join(PARQUET), &self.manifest["identity"])
+    }
+
+    /// All rows in memory, which are joined before: inputs, observables (NaN where a run has none),
+    /// `error` and `warnings`.
+    ///
+    /// # Errors
+    /// [`StudyError::Missing`] if not all chunks are there, [`StudyError::Table`] for a damaged table, and
+    /// those of [`merge`](Self::merge).
+    pub fn results(&self) -> Result<DataTable, StudyError> {
+        let columns = self.columns();
+        self.table()?.columns(columns.iter().map(|(name, role)| (name.as_str(), role.is_number())))
     }
 
     /// Names of the observables.

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
+use asperity_table::DataTable;
 use parquet::column::reader::get_typed_column_reader;
 use parquet::data_type::{ByteArrayType, DataType, DoubleType};
 use parquet::errors::ParquetError;
@@ -86,6 +87,34 @@ impl StudyTable {
                 visit(&String::from_utf8_lossy(value.data()));
             }
         })
+    }
+
+    /// The columns of these names, numbers or not, in memory.
+    pub(crate) fn columns<'a>(
+        &self,
+        columns: impl IntoIterator<Item = (&'a str, bool)>,
+    ) -> Result<DataTable, StudyError> {
+        let mut all = DataTable::new();
+        for (name, is_number) in columns {
+            let place = self.place(name)?;
+            all = if is_number {
+                let mut numbers = Vec::new();
+                self.numbers(place, &mut |values| numbers.extend_from_slice(values))?;
+                all.with(name, numbers)
+            } else {
+                let mut texts = Vec::new();
+                self.read::<ByteArrayType>(place, &mut |levels, values| {
+                    let mut values =
+                        values.iter().map(|value| String::from_utf8_lossy(value.data()));
+                    texts.extend(levels.iter().map(|&level| match level {
+                        0 => String::new(),
+                        _ => values.next().unwrap_or_default().into_owned(),
+                    }));
+                })?;
+                all.with(name, texts)
+            };
+        }
+        Ok(all)
     }
 
     fn read<T: DataType>(

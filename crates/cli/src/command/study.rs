@@ -37,10 +37,10 @@ pub(crate) fn run(asked: &Study, quiet: bool) -> Result<(), Failure> {
             let folder = StudyFolder::open(&folder_of(file, out.as_deref()))?;
             let found = answers(&plan, &folder, &options)?;
             let text = super::pretty(&found.to_json(&plan.coordinates()));
-            folder.write("histograms.csv", found.histograms_csv())?;
-            folder.write("exceedance.csv", found.exceedance_csv())?;
+            folder.write("histograms.csv", found.histograms().to_csv())?;
+            folder.write("exceedance.csv", found.exceedance().to_csv())?;
             if let Some(frf) = &found.frf {
-                folder.write("frf.csv", frf.csv())?;
+                folder.write("frf.csv", frf.table().to_csv())?;
             }
             for (stem, figure) in plot::answers(&found, &plan.coordinates()) {
                 for (name, data) in super::drawn(stem, &figure, &figures.figures) {

@@ -118,9 +118,9 @@ pub enum DataSpec {
         /// A name.
         name: Option<String>,
         /// The files, relative to the folder of the problem: paths, folders of records, and patterns
-        /// with `*`, `?` or `[...]`; a file may hold several hits.
+        /// with `*`, `?` or `[...]`; a file may hold several hits. Or records in place.
         #[schemars(length(min = 1))]
-        files: Vec<String>,
+        files: Vec<RecordRef>,
         /// Settings of the rig, as for `asperity analyse --rig`: sample rate, names, units, sensitivities,
         /// channels, trigger.
         rig: Option<RigRef>,
@@ -209,6 +209,41 @@ pub enum RigRef {
     InPlace(Map<String, Value>),
 }
 
+/// Records by their files, or one in place.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum RecordRef {
+    /// A path, folder or pattern, relative to the folder of the problem.
+    Files(String),
+    /// The samples themselves.
+    InPlace(RecordSpec),
+}
+
+/// A record: channels that were sampled together.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RecordSpec {
+    /// Sample rate in Hz.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub sample_rate_hz: f64,
+    /// The channels.
+    #[schemars(length(min = 1))]
+    pub channels: Vec<RecordChannelSpec>,
+}
+
+/// A channel of a record.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RecordChannelSpec {
+    /// Its name.
+    pub name: String,
+    /// Its unit, such as `m/s^2`; empty for one that the rig gives.
+    #[serde(default)]
+    pub unit: String,
+    /// The samples, null for a missing one.
+    pub data: Vec<Option<f64>>,
+}
+
 /// An analysis by its file, or in place.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(untagged)]
@@ -244,14 +279,13 @@ pub enum Cell {
 }
 
 impl DataSpec {
-    /// Files that the data are read from, relative to the folder of the problem.
+    /// Files that the data are read from, relative to the folder of the problem, but those of records.
     pub fn files(&self) -> &[String] {
         match self {
             Self::Analysis { file: AnalysisRef::File(file), .. }
             | Self::Frf { file: TableRef::File(file), .. }
             | Self::Backbone { file: TableRef::File(file), .. }
             | Self::SteppedSine { file: TableRef::File(file), .. } => std::slice::from_ref(file),
-            Self::Records { files, .. } => files,
             _ => &[],
         }
     }

@@ -107,8 +107,9 @@ const FIRST: [Quantity; 6] = [
     Quantity::DampingRatio,
 ];
 
-/// Label and unit of a feature.
-pub(super) fn feature_name(feature: &str) -> (String, &'static str) {
+/// Label and unit of an observable of a run, by its column, or of another feature of measured data; the
+/// label has subscripts such as `f_{1}`.
+pub fn feature_name(feature: &str) -> (String, &'static str) {
     if let Some(of) = feature.strip_prefix("ratio of ") {
         return (format!("Ratio of hits: {}", feature_name(of).0), "");
     }

@@ -10,7 +10,7 @@ stated at the end of each name.
 >>> run.history["time_s"], run.history["displacement_m"] # doctest: +SKIP
 """
 
-from . import signal
+from . import plot, signal
 from ._analyse import Analysis, DecayAnalysis, ResponseAnalysis, analyse, decay
 from ._asperity import ComputationError, Figure, Law, Scenario, ScenarioError, __version__
 from ._identify import Identification, identify
@@ -26,9 +26,10 @@ from ._law import (
 from ._measurement import read, to_sep005, write
 from ._simulate import Simulation, simulate
 from ._steady import Modes, SteadyResponses, modes, steady
+from ._study import Study, study
 from ._sweep import Sweep, sweep
 from ._table import Table
-from ._warning import AccuracyWarning, AsperityWarning, JudgementWarning
+from ._warning import AccuracyWarning, AsperityWarning, JudgementWarning, NoticeWarning
 
 __all__ = [
     "AccuracyWarning",
@@ -42,12 +43,14 @@ __all__ = [
     "Law",
     "LawTables",
     "Modes",
+    "NoticeWarning",
     "PowerFit",
     "ResponseAnalysis",
     "Scenario",
     "ScenarioError",
     "Simulation",
     "SteadyResponses",
+    "Study",
     "Sweep",
     "Table",
     "__version__",
@@ -59,10 +62,12 @@ __all__ = [
     "law_from_stiffness",
     "laws",
     "modes",
+    "plot",
     "read",
     "signal",
     "simulate",
     "steady",
+    "study",
     "sweep",
     "tabulate",
     "to_sep005",

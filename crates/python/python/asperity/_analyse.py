@@ -16,6 +16,7 @@ from . import _arrays, _asperity
 from ._measurement import sources, texts
 from ._result import Result
 from ._table import Table
+from ._warning import note
 
 Rig = str | os.PathLike[str] | dict[str, Any]
 
@@ -209,7 +210,7 @@ def analyse(
     """Analyse the hits of one hammer test.
 
     The same as ``asperity analyse``, with the same numbers. Other Python threads run meanwhile, and
-    Ctrl-C stops the call.
+    Ctrl-C stops the call. Assumptions and omissions are a `NoticeWarning`.
 
     Parameters
     ----------
@@ -330,6 +331,7 @@ def analyse(
         )
         for one in found["responses"]
     )
+    note(notice for one in responses for notice in one.report["notices"])
     return Analysis(responses, _arrays.table(found["modes"]), found["frfs"])
 
 
@@ -386,7 +388,8 @@ def decay(
 ) -> DecayAnalysis:
     """Analyse free decays, without their force.
 
-    The same as ``asperity decay``, with the same numbers.
+    The same as ``asperity decay``, with the same numbers. Assumptions and omissions are a
+    `NoticeWarning`.
 
     Parameters
     ----------
@@ -425,4 +428,5 @@ def decay(
         for low, high in bands_hz
     ]
     report, decays, backbone, figures = _asperity.decay(read, settings, bands, progress)
+    note(report["notices"])
     return DecayAnalysis(report, _arrays.table(decays), _arrays.table(backbone), figures)

@@ -1,7 +1,7 @@
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, final, overload
+from typing import Any, Literal, Protocol, TypeVar, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._identify import Identification
 from ._simulate import Simulation
 from ._steady import Modes, SteadyResponses
+from ._study import Study
 from ._sweep import Sweep, Values
 
 __all__ = [
@@ -25,13 +26,16 @@ __all__ = [
     "arrow_stream",
     "backbone",
     "circle_fit",
+    "command",
     "convert_frf",
     "decay",
+    "decay_length",
     "even_rate",
     "exponential_corrected",
     "exponential_falling_to",
     "exponential_receptance",
     "exponential_window",
+    "feature_name",
     "find_hits",
     "fit_power",
     "force_window",
@@ -39,15 +43,18 @@ __all__ = [
     "laws",
     "logarithmic_decrement",
     "modes",
+    "palette",
     "pulse",
     "quality_issues",
     "read",
     "response_window",
     "restore_figure",
     "restore_law",
+    "restore_peak",
     "restore_scenario",
     "simulate",
     "steady",
+    "study",
     "sweep",
     "sweep_rows",
     "tabulate",
@@ -63,6 +70,13 @@ _Numbers = Mapping[str, NDArray[np.float64]]
 _Floats = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
 _Sources = list[str] | list[list[dict[str, Any]]]
+
+class _IsSeries(Protocol):
+    @property
+    def name(self) -> Any: ...
+    def to_numpy(self) -> Any: ...
+
+_Series = TypeVar("_Series", bound=_IsSeries)
 
 class ScenarioError(ValueError):
     pointer: str
@@ -89,10 +103,35 @@ class Scenario:
         threads: int | None = None,
         progress: _Progress = None,
     ) -> Sweep: ...
+    def study(
+        self,
+        study: Mapping[str, Any],
+        *,
+        folder: str | os.PathLike[str] | None = None,
+        out: str | os.PathLike[str] | None = None,
+        resume: bool = False,
+        level: float = 0.95,
+        probabilities: Sequence[float] = ...,
+        exceed: Mapping[str, float] | Sequence[tuple[str, float]] | None = None,
+        threads: int | None = None,
+        progress: _Progress = None,
+    ) -> Study: ...
     def steady(
-        self, amplitudes_n: ArrayLike, from_hz: float, to_hz: float, **options: Any
+        self,
+        amplitudes_n: ArrayLike,
+        from_hz: float,
+        to_hz: float,
+        *,
+        harmonics: int | None = None,
+        backbone: bool = False,
+        verify: bool = False,
+        bodies: Literal["auto", "elastic", "condensed"] = "auto",
+        time_sweep: Literal["up", "down", "both"] | None = None,
+        time_sweep_points: int = 201,
+        threads: int | None = None,
+        progress: _Progress = None,
     ) -> SteadyResponses: ...
-    def modes(self, count: int | None = None) -> Modes: ...
+    def modes(self, count: int = 4) -> Modes: ...
     def identify(
         self,
         problem: Mapping[str, Any],
@@ -120,21 +159,31 @@ class Law:
     @overload
     def stiffness(self, pressure: float) -> float: ...
     @overload
+    def stiffness(self, pressure: _Series) -> _Series: ...
+    @overload
     def stiffness(self, pressure: ArrayLike) -> NDArray[np.float64]: ...
     @overload
     def stiffness_slope(self, pressure: float) -> float: ...
+    @overload
+    def stiffness_slope(self, pressure: _Series) -> _Series: ...
     @overload
     def stiffness_slope(self, pressure: ArrayLike) -> NDArray[np.float64]: ...
     @overload
     def closure(self, pressure: float) -> float: ...
     @overload
+    def closure(self, pressure: _Series) -> _Series: ...
+    @overload
     def closure(self, pressure: ArrayLike) -> NDArray[np.float64]: ...
     @overload
     def pressure(self, closure: float) -> float: ...
     @overload
+    def pressure(self, closure: _Series) -> _Series: ...
+    @overload
     def pressure(self, closure: ArrayLike) -> NDArray[np.float64]: ...
     @overload
     def energy(self, closure: float) -> float: ...
+    @overload
+    def energy(self, closure: _Series) -> _Series: ...
     @overload
     def energy(self, closure: ArrayLike) -> NDArray[np.float64]: ...
     def to_dict(self) -> dict[str, Any]: ...
@@ -162,6 +211,9 @@ class Figure:
 
 def arrow_stream(columns: list[tuple[str, NDArray[Any] | list[str]]]) -> object: ...
 def restore_figure(svg: str) -> Figure: ...
+def restore_peak(
+    frequency_hz: float, magnitude: float, real: float, imag: float, prominence: float
+) -> Peak: ...
 def restore_scenario(text: str, path: str | os.PathLike[str]) -> Scenario: ...
 def restore_law(text: str, reference_pa: float | None) -> Law: ...
 
@@ -242,6 +294,9 @@ def exponential_receptance(
     frequency_hz: _Floats, receptance: _Complex, response: str, tau_s: float
 ) -> _Complex: ...
 def convert_frf(frequency_hz: _Floats, values: _Complex, form: str, to: str) -> _Complex: ...
+def decay_length(samples: _Floats) -> int: ...
+def palette(count: int) -> tuple[list[str], list[str]]: ...
+def feature_name(feature: str) -> tuple[str, str]: ...
 def circle_fit(frequency_hz: _Floats, mobility: _Complex) -> dict[str, Any] | None: ...
 def logarithmic_decrement(
     samples: _Floats, sample_rate_hz: float, frequency_hz: float
@@ -263,6 +318,16 @@ class FrfAverage:
         cls, samples: int, sample_rate_hz: float, response: str, padding: int
     ) -> FrfAverage: ...
     def push(self, force: _Floats, response: _Floats) -> _Complex: ...
+    def sums(self) -> tuple[int, _Floats, _Floats, _Complex, _Floats, _Floats]: ...
+    def restore(
+        self,
+        averages: int,
+        force: _Floats,
+        response: _Floats,
+        cross: _Complex,
+        mean: _Floats,
+        square: _Floats,
+    ) -> None: ...
     @property
     def averages(self) -> int: ...
     @property
@@ -286,12 +351,16 @@ class Peak:
     def value(self) -> complex: ...
     @property
     def prominence(self) -> float: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
 
 @final
 class FrequencyResponse:
     def __new__(
         cls, force: _Floats, response: _Floats, sample_rate_hz: float, kind: str
     ) -> FrequencyResponse: ...
+    def parts(self) -> tuple[_Floats, _Floats, bool]: ...
+    def interpolated(self) -> FrequencyResponse: ...
     def receptance_at(self, frequency_hz: _Floats) -> _Complex: ...
     def dominant_frequency(
         self, band_hz: tuple[float, float], form: str, force_threshold: float
@@ -339,6 +408,18 @@ def steady(
     Figure | None,
     list[tuple[str, str]],
 ]: ...
+def study(
+    study: str | os.PathLike[str] | dict[str, Any],
+    folder: str | os.PathLike[str] | None,
+    out: str | os.PathLike[str] | None,
+    resume: bool,
+    level: float,
+    probabilities: list[float],
+    exceed: list[tuple[str, float]],
+    threads: int | None,
+    progress: _Progress,
+) -> dict[str, Any]: ...
+def command(arguments: list[str]) -> int: ...
 def modes(scenario: _ScenarioLike, count: int) -> tuple[dict[str, Any], _Numbers, Figure]: ...
 def laws(scenario: _ScenarioLike) -> dict[str, Law]: ...
 def tabulate(scenario: _ScenarioLike) -> tuple[dict[str, _Numbers], Figure | None]: ...

@@ -9,9 +9,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from . import _arrays, _asperity
+from ._analyse import _rate_of
+from ._measurement import records_in_place
 from ._result import Result
 from ._table import Table
-from ._warning import JudgementWarning
+from ._warning import JudgementWarning, note
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +94,9 @@ def identify(
         Path of a JSON file, JSON text (which starts with ``{``), or the problem as a dict. Results
         of an analysis enter without a file: hits as ``{"kind": "analysis", "file": found.report}``,
         and tables in place of those that other data name, such as
-        ``{"kind": "backbone", "file": found.backbone, "spread": {"relative": 1e-3}}``.
+        ``{"kind": "backbone", "file": found.backbone, "spread": {"relative": 1e-3}}``. ``files`` of
+        records may be anything that `analyse` accepts: arrays, data frames, SEP005 channels; the
+        sample rate, names and units of arrays are those of ``rig``.
     folder : str or os.PathLike, optional
         Folder that relative file names in a text or a dict start from; the current one by default.
     progress : callable, optional
@@ -124,8 +128,8 @@ def identify(
     >>> found = asperity.identify("problem.json")                              # doctest: +SKIP
     >>> scenario.with_({"/laws/contact": found.law})                           # doctest: +SKIP
     """
-    found = _asperity.identify(problem, folder, progress, bool(fast))
-    _tell(found["report"]["judgement"], fast)
+    found = _asperity.identify(_document(problem), folder, progress, bool(fast))
+    _tell(found["report"], fast)
     return _result(found)
 
 
@@ -145,14 +149,34 @@ def identify_in(
         raise ValueError("the problem has a scenario of its own; use asperity.identify, or leave it out")
     whole = {"schema": "asperity/identify/1", **problem, "scenario": scenario.to_dict()}
     start = scenario.folder if folder is None else folder
-    found = _asperity.identify(whole, start, progress, fast)
-    _tell(found["report"]["judgement"], fast)
+    found = _asperity.identify(_document(whole), start, progress, fast)
+    _tell(found["report"], fast)
     return _result(found)
 
 
-def _tell(judgement: dict[str, Any], fast: bool) -> None:
-    """Warns the caller of the function that calls this one of a law that is not free to use; what
-    was left out on request is no reason."""
+def _document(problem: Any) -> Any:
+    """The problem, with records in memory as a document holds them."""
+    if not isinstance(problem, dict) or not isinstance(problem.get("data"), list | tuple):
+        return problem
+    return {**problem, "data": [_data(one) for one in problem["data"]]}
+
+
+def _data(data: Any) -> Any:
+    if not isinstance(data, Mapping) or data.get("kind") != "records" or "files" not in data:
+        return data
+    files = data["files"]
+    if isinstance(files, list) and all(isinstance(one, str | dict) for one in files):
+        # A document already: paths, and records in place, but for one record of SEP005 channels.
+        if not any(isinstance(one, dict) and "data" in one for one in files):
+            return data
+    return {**data, "files": records_in_place(files, _rate_of(data.get("rig")))}
+
+
+def _tell(report: dict[str, Any], fast: bool) -> None:
+    """Passes notices on to the caller of the function that calls this one, and warns it of a law that
+    is not free to use; what was left out on request is no reason."""
+    note(report["notices"], stacklevel=4)
+    judgement = report["judgement"]
     reasons = [
         reason["words"]
         for reason in judgement["reasons"]

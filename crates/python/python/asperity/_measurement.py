@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -11,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _arrays, _asperity
-from ._numbers import columns_of, is_frame, is_series, unmasked
+from ._numbers import columns_of, is_frame, is_series, unit_of, unmasked
 from ._table import Table
+from ._warning import note
 
 Path = str | os.PathLike[str]
 #: Channel by SEP005: a dict with ``data``, ``name``, ``unit_str``, and ``fs`` or ``time``.
@@ -120,15 +120,9 @@ def _of_frame(frame: Any, sample_rate_hz: float | None) -> list[dict[str, Any]]:
     elif (rate := _asperity.even_rate(_arrays.real("time_s", times))) is not None:
         timing = {"fs": rate, "time": times}
     return [
-        _channel({"data": data, "name": name, "unit_str": _unit_of(name)[1], **timing}, name)
+        _channel({"data": data, "name": name, "unit_str": unit_of(name)[1], **timing}, name)
         for name, data in columns.items()
     ]
-
-
-def _unit_of(column: str) -> tuple[str, str]:
-    """Ending of a column's name and its unit; both empty for an unknown one."""
-    ending = max((one for one in _UNITS if column.endswith(one)), key=len, default="")
-    return ending, _UNITS.get(ending, "")
 
 
 def _columns(array: NDArray[Any], sample_axis: str | None) -> NDArray[Any]:
@@ -190,6 +184,31 @@ def sources(
     raise TypeError(f"measurements cannot be {kind}; {_ACCEPTED}")
 
 
+def records_in_place(source: Any, sample_rate_hz: float | None) -> list[Any]:
+    """Records as a document holds them: paths as they are, samples as lists."""
+    found = sources(source, sample_rate_hz, None)
+    return [record if isinstance(record, str) else _in_place(record) for record in found]
+
+
+def _in_place(record: list[dict[str, Any]]) -> dict[str, Any]:
+    rates = {
+        channel["fs"] if channel["time"] is None else _asperity.even_rate(channel["time"])
+        for channel in record
+    }
+    rate = rates.pop()
+    if rates or rate is None:
+        raise ValueError("the channels of a record must have one sample rate, and even times")
+    channels = [
+        {
+            "name": channel["name"],
+            "unit": channel["unit_str"],
+            "data": [x if x == x else None for x in channel["data"].tolist()],
+        }
+        for channel in record
+    ]
+    return {"sample_rate_hz": rate, "channels": channels}
+
+
 def texts(name: str, value: Iterable[str] | str | None) -> list[str]:
     """A list of texts of one or several."""
     if value is None:
@@ -214,7 +233,7 @@ def read(
     """Read measurement files as records of SEP005 channels.
 
     Formats are detected from the content: universal files, text, NPY, NPZ, MAT, HDF5, WAV, TDMS.
-    Records over frequency and complex channels are left out. Assumptions of the reader are warnings.
+    Records over frequency and complex channels are left out. Assumptions of the reader are a `NoticeWarning`.
 
     Parameters
     ----------
@@ -266,8 +285,7 @@ def read(
         bool(si),
         progress,
     )
-    for notice in notices:
-        warnings.warn(notice, stacklevel=2)
+    note(notices)
     return records
 
 
@@ -318,18 +336,6 @@ def write(
     _asperity.write(os.fspath(path), channels, format, title, bool(overwrite))
 
 
-#: Endings of column names, and their units.
-_UNITS = {
-    "_n": "N",
-    "_m": "m",
-    "_m_per_s": "m/s",
-    "_m_per_s2": "m/s^2",
-    "_pa": "Pa",
-    "_pa_per_m": "Pa/m",
-    "_j": "J",
-}
-
-
 def to_sep005(table: Table | Mapping[str, Any]) -> list[dict[str, Any]]:
     """Columns over time as SEP005 channels, such as the history of a simulation.
 
@@ -370,7 +376,7 @@ def to_sep005(table: Table | Mapping[str, Any]) -> list[dict[str, Any]]:
         data = np.asarray(unmasked(values))
         if column == "time_s" or data.dtype.kind not in "fiu":
             continue
-        ending, unit = _unit_of(column)
+        ending, unit = unit_of(column)
         channel = {
             "name": column.removesuffix(ending),
             "unit_str": unit,

@@ -48,6 +48,17 @@ def unmasked(values: Any) -> Any:
     return values
 
 
+def like(values: Any, found: NDArray[np.float64], name: str) -> Any:
+    """The numbers as a Series of pandas or polars, or a DataArray of xarray, where the values are one."""
+    if not is_series(values):
+        return found
+    if hasattr(values, "dims"):
+        return type(values)(found, coords=values.coords, dims=values.dims, name=name)
+    if hasattr(values, "index"):
+        return type(values)(found, index=values.index, name=name)
+    return type(values)(name, found) if hasattr(values, "n_chunks") else found
+
+
 def is_series(value: object) -> bool:
     """True for a column of a data frame: of pandas, polars and the like."""
     return hasattr(value, "to_numpy") and hasattr(value, "name") and not is_frame(value)
@@ -76,3 +87,25 @@ def column(values: ArrayLike, name: str) -> list[float]:
         raise ValueError(f"{name} has shape {array.shape}; expected one dimension")
     found: list[float] = array.tolist()
     return found
+
+
+def unit_of(column: str) -> tuple[str, str]:
+    """Ending of a column's name and its unit; both empty for an unknown one."""
+    ending = max((one for one in _UNITS if column.endswith(one)), key=len, default="")
+    return ending, _UNITS.get(ending, "")
+
+
+#: Endings of column names, and their units.
+_UNITS = {
+    "_n": "N",
+    "_hz": "Hz",
+    "_s": "s",
+    "_rad": "rad",
+    "_m_per_n": "m/N",
+    "_m": "m",
+    "_m_per_s": "m/s",
+    "_m_per_s2": "m/s^2",
+    "_pa": "Pa",
+    "_pa_per_m": "Pa/m",
+    "_j": "J",
+}

@@ -45,15 +45,20 @@ class SteadyResponses(Result):
     figure: _asperity.Figure | None = field(repr=False)
 
     @property
-    def peaks(self) -> Table:
-        """Largest response of each branch, a row per force amplitude.
+    def _load(self) -> str:
+        """Name of the amplitudes of the load."""
+        return "force_n" if "force_n" in self.points else "base_acceleration_m_per_s2"
 
-        ``force_n``, ``peak_frequency_hz``, ``peak_amplitude_1_m``, ``displacement_ratio`` (NaN where
-        there is none), ``peak_is_inside`` (true if it is a peak of a branch that covers the whole
+    @property
+    def peaks(self) -> Table:
+        """Largest response of each branch, a row per amplitude.
+
+        ``force_n`` or ``base_acceleration_m_per_s2``, ``peak_frequency_hz``, ``peak_amplitude_1_m``,
+        ``displacement_ratio`` (NaN where there is none), ``peak_is_inside`` (true if it is a peak of a branch that covers the whole
         range), ``contact_lost``, and ``error`` (text, empty for a branch that was found).
         """
         levels = self.summary["levels"]
-        numeric = ("force_n", "peak_frequency_hz", "peak_amplitude_1_m", "displacement_ratio")
+        numeric = (self._load, "peak_frequency_hz", "peak_amplitude_1_m", "displacement_ratio")
         columns: dict[str, ArrayLike] = {
             name: np.array([_number(level.get(name)) for level in levels]) for name in numeric
         }
@@ -64,18 +69,18 @@ class SteadyResponses(Result):
 
     @property
     def special_points(self) -> Table:
-        """Bifurcations along the branches: ``branch``, ``force_n``, ``kind``, ``frequency_hz``,
-        ``amplitude_1_m``; kinds are ``fold``, ``period_doubling``,
+        """Bifurcations along the branches: ``branch``, ``force_n`` or ``base_acceleration_m_per_s2``,
+        ``kind``, ``frequency_hz``, ``amplitude_1_m``; kinds are ``fold``, ``period_doubling``,
         ``neimark_sacker`` and ``branch_point``."""
         found = [
-            (number, level["force_n"], point)
+            (number, level[self._load], point)
             for number, level in enumerate(self.summary["levels"], start=1)
             for point in level.get("bifurcations", ())
         ]
         return Table(
             {
                 "branch": np.array([number for number, _, _ in found], dtype=np.int64),
-                "force_n": np.array([force for _, force, _ in found], dtype=np.float64),
+                self._load: np.array([force for _, force, _ in found], dtype=np.float64),
                 "kind": np.array([point["kind"] for _, _, point in found], dtype=np.str_),
                 **{
                     name: np.array([point[name] for _, _, point in found], dtype=np.float64)

@@ -132,16 +132,25 @@ def sweep(
         if not varied:
             raise ValueError("`vary` is empty; expected values by JSON Pointer")
         found = Sweep(*_asperity.sweep(scenario, varied, cores, progress))
-    if found.failed:
-        first = int(np.flatnonzero(found["error"])[0])
-        text = f"{found.failed} of {found.rows} runs failed; row {first}: {found['error'][first]}"
-        warnings.warn(text, AsperityWarning, stacklevel=2)
+    tell_of_runs(found, stacklevel=3)
+    return found
+
+
+def tell_of_runs(found: Table, stacklevel: int) -> None:
+    """Warns of runs of a table that failed, and of the kinds of warnings of the others."""
+    failed = np.flatnonzero(found["error"])
+    if failed.size:
+        first = int(failed[0])
+        text = f"{failed.size} of {found.rows} runs failed; row {first}: {found['error'][first]}"
+        warnings.warn(text, AsperityWarning, stacklevel=stacklevel)
     kinds = Counter(kind for text in found["warnings"].tolist() for kind in text.split())
     tell(
-        (kind, f"{runs} of {found.rows} runs; the column 'warnings' names them")
-        for kind, runs in kinds.items()
+        (
+            (kind, f"{runs} of {found.rows} runs; the column 'warnings' names them")
+            for kind, runs in kinds.items()
+        ),
+        stacklevel=stacklevel + 1,
     )
-    return found
 
 
 def _pointer(key: object) -> str:

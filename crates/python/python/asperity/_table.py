@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _asperity
-from ._numbers import columns_of, is_frame, unmasked
+from ._numbers import columns_of, is_frame, unit_of, unmasked
 from ._result import same
 
 # Rows that a notebook shows: so many from the start and from the end of a longer table.
@@ -116,6 +116,33 @@ class Table(Mapping[str, NDArray[Any]]):
             raise ImportError("to_pandas needs the package pandas: pip install pandas") from error
         return pandas.DataFrame(self._columns)
 
+    def to_xarray(self) -> Any:
+        """The table as an ``xarray.Dataset``.
+
+        Returns
+        -------
+        xarray.Dataset
+            A variable for each column, over the times, frequencies or pressures of the table
+            (``time_s``, ``frequency_hz``, ``pressure_pa``), or else over ``row``; the attribute
+            ``units`` is that at the end of the name.
+
+        Raises
+        ------
+        ImportError
+            If xarray is not installed; the package does not install it.
+        """
+        try:
+            import xarray  # type: ignore[import-not-found,import-untyped,unused-ignore]
+        except ImportError as error:
+            raise ImportError("to_xarray needs the package xarray: pip install xarray") from error
+        over = next((name for name in _ABSCISSAE if name in self and _rises(self[name])), "row")
+        columns = {
+            name: (over, values, {"units": unit} if (unit := unit_of(name)[1]) else {})
+            for name, values in self._columns.items()
+        }
+        coordinates = {name: columns.pop(name) for name in (over,) if name in columns}
+        return xarray.Dataset(columns, coords=coordinates)
+
     def __eq__(self, other: object) -> bool:
         """True for a table of the same columns in the same order; NaN equals NaN."""
         if not isinstance(other, Table):
@@ -164,6 +191,14 @@ class Table(Mapping[str, NDArray[Any]]):
             f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
             f"<p>{rows} rows, {len(self._columns)} columns</p>"
         )
+
+
+#: Columns that the others are over.
+_ABSCISSAE = ("time_s", "frequency_hz", "pressure_pa")
+
+
+def _rises(values: NDArray[Any]) -> bool:
+    return bool(np.all(np.diff(values) > 0))
 
 
 def _text(value: Any) -> str:

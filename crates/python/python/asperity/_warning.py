@@ -31,6 +31,13 @@ class JudgementWarning(AsperityWarning):
     """
 
 
+class NoticeWarning(UserWarning):
+    """An assumption or an omission, as the command notes it: records that were left out, a band that was
+    chosen. The ``notices`` of analyses and identifications have the texts too. It is no doubt about a
+    result, and no `AsperityWarning`.
+    """
+
+
 #: Kinds of warnings that are not about numbers.
 _OF_THE_RANGE = {"outside_measured_range"}
 
@@ -40,7 +47,13 @@ def category(kind: str) -> type[AsperityWarning]:
     return AsperityWarning if kind in _OF_THE_RANGE else AccuracyWarning
 
 
-def tell(found: Iterable[tuple[str, str]]) -> None:
+def tell(found: Iterable[tuple[str, str]], stacklevel: int = 3) -> None:
     """Warns the caller of the function that calls this one; a text once."""
     for kind, text in dict.fromkeys(found):
-        warnings.warn(f"{kind}: {text}", category(kind), stacklevel=3)
+        warnings.warn(f"{kind}: {text}", category(kind), stacklevel=stacklevel)
+
+
+def note(notices: Iterable[str], stacklevel: int = 3) -> None:
+    """Passes notices on to the caller of the function that calls this one; a text once."""
+    for text in dict.fromkeys(notices):
+        warnings.warn(text, NoticeWarning, stacklevel=stacklevel)

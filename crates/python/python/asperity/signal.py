@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _asperity
 from ._asperity import Peak
+from ._result import same
 from ._table import Table
 
 __all__ = [
@@ -713,7 +714,7 @@ class FrfAverage:
         For arguments out of range.
     """
 
-    __slots__ = ("_native",)
+    __slots__ = ("_native", "_settings")
 
     def __init__(
         self,
@@ -723,12 +724,29 @@ class FrfAverage:
         *,
         padding: int = 1,
     ) -> None:
-        self._native = _asperity.FrfAverage(
+        self._settings = (
             _arrays.count("samples", samples),
             _arrays.number("sample_rate_hz", sample_rate_hz),
             response,
             _arrays.count("padding", padding),
         )
+        self._native = _asperity.FrfAverage(*self._settings)
+
+    def __getstate__(self) -> tuple[Any, ...]:
+        return self._settings, self._native.sums()
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        self._settings, sums = state
+        self._native = _asperity.FrfAverage(*self._settings)
+        self._native.restore(*sums)
+
+    def __eq__(self, other: object) -> bool:
+        """True for an average of the same settings with the same sums."""
+        if not isinstance(other, FrfAverage):
+            return NotImplemented
+        return same(self.__getstate__(), other.__getstate__())
+
+    __hash__ = None  # type: ignore[assignment]
 
     def push(self, force: ArrayLike, response: ArrayLike) -> _Complex:
         """Add a hit.
@@ -817,7 +835,8 @@ class FrfAverage:
 
         `estimator` is ``"h1"``, ``"h2"`` or ``"hv"``; another one is a ValueError.
         """
-        return FrequencyResponse._of(self._native.response(estimator, None))
+        native = self._native.response(estimator, None)
+        return FrequencyResponse._of(native, *self._settings[1:3])
 
 
 def convert_frf(
@@ -942,8 +961,9 @@ class FrequencyResponse:
         For samples that are not finite or of unequal number, and a force that is zero throughout.
     """
 
-    __slots__ = ("_native",)
+    __slots__ = ("_native", "_settings")
     _native: _asperity.FrequencyResponse
+    _settings: tuple[float, str]
 
     def __init__(
         self,
@@ -952,18 +972,35 @@ class FrequencyResponse:
         sample_rate_hz: float,
         quantity: str = "acceleration",
     ) -> None:
+        self._settings = (_arrays.number("sample_rate_hz", sample_rate_hz), quantity)
         self._native = _asperity.FrequencyResponse(
-            _arrays.real("force", force),
-            _arrays.real("response", response),
-            _arrays.number("sample_rate_hz", sample_rate_hz),
-            quantity,
+            _arrays.real("force", force), _arrays.real("response", response), *self._settings
         )
 
     @classmethod
-    def _of(cls, native: _asperity.FrequencyResponse) -> FrequencyResponse:
+    def _of(
+        cls, native: _asperity.FrequencyResponse, sample_rate_hz: float, quantity: str
+    ) -> FrequencyResponse:
         response = cls.__new__(cls)
         response._native = native
+        response._settings = (sample_rate_hz, quantity)
         return response
+
+    def __getstate__(self) -> tuple[Any, ...]:
+        return self._settings, self._native.parts()
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        self._settings, (force, response, interpolated) = state
+        native = _asperity.FrequencyResponse(force, response, *self._settings)
+        self._native = native.interpolated() if interpolated else native
+
+    def __eq__(self, other: object) -> bool:
+        """True for a response of the same samples."""
+        if not isinstance(other, FrequencyResponse):
+            return NotImplemented
+        return same(self.__getstate__(), other.__getstate__())
+
+    __hash__ = None  # type: ignore[assignment]
 
     def receptance(self, frequency_hz: ArrayLike) -> _Complex:
         """Receptances in m/N at frequencies in Hz, both of shape (frequencies,); NaN at zero for

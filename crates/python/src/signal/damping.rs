@@ -2,7 +2,7 @@
 
 use asperity_signal::{
     BackboneOptions, BandPass, CircleFit, Complex64, backbone as backbone_of, circle_fit_of,
-    logarithmic_decrement as decrement_of,
+    decay_length as length_of, logarithmic_decrement as decrement_of,
 };
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -100,4 +100,10 @@ pub(crate) fn backbone<'py>(
     set("decay_rate_per_s", |point| point.decay_rate)?;
     set("damping_ratio", |point| point.damping_ratio)?;
     Ok(dict)
+}
+
+/// Number of samples in which a decay falls to about 2 % of its start.
+#[pyfunction]
+pub(crate) fn decay_length(samples: Array<'_>) -> PyResult<usize> {
+    Ok(length_of(&copied(&samples)?))
 }

@@ -1,10 +1,11 @@
 //! Averages of frequency response functions, their forms, and the response of one hit.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use asperity_signal::{
-    Complex64, FrequencyResponse, Frf, FrfAverage, FrfEstimator, HarmonicOptions, HvScaling, Peak,
-    ResponseKind, SpectralDensity, circle_fit, dominant_frequency, find_harmonics,
+    Complex64, FrequencyResponse, Frf, FrfAverage, FrfEstimator, FrfSums, HarmonicOptions,
+    HvScaling, Peak, ResponseKind, SpectralDensity, circle_fit, dominant_frequency, find_harmonics,
     half_power_crossings,
 };
 use numpy::PyArray1;
@@ -51,6 +52,16 @@ fn estimator(name: &str, noise_ratio: Option<f64>) -> PyResult<FrfEstimator> {
     }
 }
 
+/// Number of hits, auto spectra, cross spectrum, mean magnitude and sum of its squared deviations.
+type Sums<'py> = (
+    usize,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<Complex64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+);
+
 /// An average of hits.
 #[pyclass(name = "FrfAverage", module = "asperity._asperity", frozen)]
 pub(crate) struct PyFrfAverage {
@@ -92,6 +103,42 @@ impl PyFrfAverage {
         let (force, response) = (copied(&force)?, copied(&response)?);
         let frf = self.with(py, move |average| average.push(&force, &response))?;
         Ok(PyArray1::from_vec(py, frf.values))
+    }
+
+    /// The sums: number of hits, auto spectra and cross spectrum, mean magnitude and its squares.
+    fn sums<'py>(&self, py: Python<'py>) -> Sums<'py> {
+        let sums = py.detach(|| self.average().sums());
+        let [mean, square] = sums.magnitude.map(|values| PyArray1::from_vec(py, values));
+        (
+            sums.averages,
+            PyArray1::from_vec(py, sums.force),
+            PyArray1::from_vec(py, sums.response),
+            PyArray1::from_vec(py, sums.cross),
+            mean,
+            square,
+        )
+    }
+
+    /// Takes the place of the sums.
+    fn restore(
+        &self,
+        averages: usize,
+        force: Array<'_>,
+        response: Array<'_>,
+        cross: Array<'_, Complex64>,
+        mean: Array<'_>,
+        square: Array<'_>,
+    ) -> PyResult<()> {
+        let sums = FrfSums {
+            averages,
+            force: copied(&force)?,
+            response: copied(&response)?,
+            cross: copied(&cross)?,
+            magnitude: [copied(&mean)?, copied(&square)?],
+        };
+        let mut average = self.average();
+        *average = average.clone().with_sums(sums).map_err(|error| exception::of_signal(&error))?;
+        Ok(())
     }
 
     #[getter]
@@ -222,14 +269,61 @@ impl PyPeak {
         self.peak.prominence
     }
 
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Self>().is_ok_and(|other| other.get().peak == self.peak)
+    }
+
+    fn __hash__(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        self.peak.frequency_hz.to_bits().hash(&mut hasher);
+        hasher.finish()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, PeakParts)> {
+        let restore = slf.py().import("asperity._asperity")?.getattr("restore_peak")?;
+        let Peak { frequency_hz, magnitude, value, prominence } = slf.get().peak;
+        Ok((restore, (frequency_hz, magnitude, value.re, value.im, prominence)))
+    }
+
     fn __repr__(&self) -> String {
         let Peak { frequency_hz, magnitude, .. } = self.peak;
         format!("<asperity.signal.Peak at {frequency_hz} Hz: {magnitude} m/N>")
     }
 }
 
+/// Frequency, magnitude, real and imaginary part, prominence.
+type PeakParts = (f64, f64, f64, f64, f64);
+
+/// The peak of a pickle.
+#[pyfunction]
+pub(crate) fn restore_peak(
+    frequency_hz: f64,
+    magnitude: f64,
+    real: f64,
+    imag: f64,
+    prominence: f64,
+) -> PyPeak {
+    let value = Complex64::new(real, imag);
+    PyPeak { peak: Peak { frequency_hz, magnitude, value, prominence } }
+}
+
 #[pymethods]
 impl PyFrequencyResponse {
+    /// Force and response, and whether their transforms are interpolated.
+    fn parts<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, bool) {
+        let array = |values| PyArray1::from_slice(py, values);
+        let response = &self.response;
+        (array(response.force()), array(response.samples()), response.is_interpolated())
+    }
+
+    /// The same with interpolated transforms.
+    fn interpolated(&self, py: Python<'_>) -> Self {
+        Self { response: py.detach(|| self.response.clone().interpolated()) }
+    }
+
     #[new]
     fn new(
         py: Python<'_>,

@@ -64,6 +64,15 @@ impl RunningVariance {
         Self { mean: vec![0.0; bins], square: vec![0.0; bins] }
     }
 
+    /// Means and sums of squared deviations.
+    pub(super) fn into_parts(self) -> [Vec<f64>; 2] {
+        [self.mean, self.square]
+    }
+
+    pub(super) fn from_parts([mean, square]: [Vec<f64>; 2]) -> Self {
+        Self { mean, square }
+    }
+
     /// Adds the value number `count` (from one) of a bin.
     pub(super) fn push(&mut self, bin: usize, value: f64, count: usize) {
         let difference = value - self.mean[bin];

@@ -58,7 +58,7 @@ impl Role {
         }
     }
 
-    fn is_number(self) -> bool {
+    pub(super) fn is_number(self) -> bool {
         matches!(self, Self::Input | Self::Observable)
     }
 }

@@ -82,7 +82,7 @@ fn bands_are_quantiles_of_the_columns() {
         let exact = below + (above - below) * place.fract();
         assert!((found / exact - 1.0).abs() < 1e-12, "{probability}: {found} for {exact}");
     }
-    let csv = band.csv();
+    let csv = band.table().to_csv();
     assert!(csv.starts_with("frequency_hz,runs,median_m_per_n,lower_m_per_n,"), "{csv}");
     assert_eq!(csv.lines().count(), 6);
     assert!(found.to_json(&[])["frf"]["receptance_m_per_n"][4][2].is_f64());
