@@ -75,13 +75,16 @@ enum Constraint<'p> {
 /// Relative residual at which an iteration has converged, and the one accepted where rounding
 /// stops it before.
 const CONVERGED: f64 = 1e-13;
-const STALLED: f64 = 1e-8;
+const STALLED: f64 = 1e-10;
 
 /// Relative residual of a point whose Jacobian serves for the tangent at the solution next to it.
 const CLOSE: f64 = 1e-7;
 
 /// Step below which a turn of the tangent is that of a kink, for a curve that may have some.
 const KINK: f64 = 1e-4;
+
+/// Step below which a change of orientation is a branch that crosses.
+const CROSSING: f64 = 1e-3;
 
 /// Newton iterations at most.
 const ITERATIONS: usize = 12;
@@ -173,9 +176,14 @@ impl<C: Curve> ArcLength<C> {
                 Ok(mut next) => {
                     let turn = dot(&next.tangent, &from.tangent).clamp(-1.0, 1.0).acos();
                     let off = distance(&next.unknowns, &from.unknowns);
-                    // The corrector moves across the tangent, and could reach another branch.
+                    // The corrector moves across the tangent, and could reach another branch: one
+                    // beside this branch in the opposite sense, where it has turned back sharply. A
+                    // branch that crosses, which changes the orientation too, is met at any step.
                     let kink = step < KINK && self.curve.has_kinks();
-                    if (turn <= 3.0 * self.control.turn || kink) && off < 1.5 * step {
+                    let smooth = turn <= 3.0 * self.control.turn || kink;
+                    let reverses = next.orientation != from.orientation;
+                    let crosses = step < CROSSING && off < 1.001 * step;
+                    if smooth && off < 1.5 * step && (!reverses || crosses) {
                         let by_turn = self.control.turn / turn.max(1e-3 * self.control.turn);
                         let by_iterations = WANTED / next.iterations.max(1) as f64;
                         let factor = by_turn.min(by_iterations).clamp(0.5, 2.0);

@@ -14,7 +14,7 @@ use crate::fourier::{Fourier, amplitude_of};
 use crate::{Compliance, ContactSystem, Dual, MeanBalance};
 use damped_forces::DampedForces;
 use friction_loop::{ContactForce, FEWEST_SAMPLES, FrictionLoop};
-use opening::{Crossing, Opening};
+use opening::Opening;
 
 /// Frequency, anti-damping and force of a periodic motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,7 +73,6 @@ pub(crate) struct Balance<'a> {
     loops: Vec<FrictionLoop>,
     /// Of each contact.
     openings: Vec<Option<Opening>>,
-    crossings: Vec<Crossing>,
 }
 
 impl<'a> Balance<'a> {
@@ -111,8 +110,7 @@ impl<'a> Balance<'a> {
                     FrictionLoop::new(friction, pair, contact, &fourier)
                 })
                 .collect(),
-            openings: system.contacts().iter().map(Opening::of).collect(),
-            crossings: Vec::new(),
+            openings: system.contacts().iter().map(|one| Opening::of(one, &fourier)).collect(),
             fourier,
         }
     }
@@ -155,14 +153,17 @@ impl<'a> Balance<'a> {
                 self.system.damped_forces(i, (closures, rates), found);
             } else {
                 self.system.forces(i, closures, force_samples, tangents);
-                self.crossings.clear();
-                if let Some(opening) = &self.openings[i] {
-                    opening.correct(closures, force_samples, &mut self.crossings);
-                }
             }
             let force = &mut self.forces[i * terms..(i + 1) * terms];
-            self.fourier.analyse(force_samples, force);
-            self.fourier.analyse(tangents, &mut self.tangent_series);
+            if let Some(opening) = &mut self.openings[i]
+                && opening.find(series, closures)
+            {
+                let found = (&mut *force, &mut self.tangent_series[..]);
+                opening.integrate((self.system, i), series, samples, found);
+            } else {
+                self.fourier.analyse(force_samples, force);
+                self.fourier.analyse(tangents, &mut self.tangent_series);
+            }
             let finite = |series: &[f64]| series.iter().all(|value| value.is_finite());
             if !(finite(force) && finite(&self.tangent_series)) {
                 let worst = |&(_, f): &(&f64, &f64)| !f.is_finite();
@@ -173,7 +174,6 @@ impl<'a> Balance<'a> {
             let square = terms * terms;
             let product = &mut self.products[i * square..(i + 1) * square];
             self.fourier.product(&self.tangent_series, product);
-            self.crossings.iter().for_each(|crossing| crossing.add_to(&self.fourier, product));
             if let Some(damped) = &mut self.damped
                 && !damped.differentiate(&self.fourier, i, found.0, product)
             {

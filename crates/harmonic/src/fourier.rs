@@ -52,6 +52,42 @@ impl Fourier {
         Self { harmonics, samples, rows }
     }
 
+    /// Tables at any angles, up to harmonic 2H.
+    pub(crate) fn at_angles(harmonics: usize, angles: &[f64]) -> Self {
+        let mut tables = Self { harmonics, samples: 0, rows: Vec::new() };
+        tables.move_to(angles);
+        tables
+    }
+
+    /// Moves the tables to other angles, as many as are given.
+    pub(crate) fn move_to(&mut self, angles: &[f64]) {
+        let count = angles.len();
+        self.samples = count;
+        self.rows.resize((4 * self.harmonics + 1) * count, 0.0);
+        let (ones, rest) = self.rows.split_at_mut(count);
+        ones.fill(1.0);
+        let (cos, sin) = rest.split_at_mut(count);
+        for ((angle, cos), sin) in angles.iter().zip(cos).zip(sin) {
+            (*sin, *cos) = angle.sin_cos();
+        }
+        vectorised(
+            #[inline(always)]
+            || {
+                for k in 2..=2 * self.harmonics {
+                    let (before, after) = self.rows.split_at_mut((2 * k - 1) * count);
+                    let (cos, sin) = after.split_at_mut(count);
+                    let (cos_1, sin_1) = before[count..3 * count].split_at(count);
+                    let (last_cos, last_sin) = before[(2 * k - 3) * count..].split_at(count);
+                    let (sin, last_sin) = (&mut sin[..count], &last_sin[..count]);
+                    for n in 0..count {
+                        cos[n] = last_cos[n] * cos_1[n] - last_sin[n] * sin_1[n];
+                        sin[n] = last_sin[n] * cos_1[n] + last_cos[n] * sin_1[n];
+                    }
+                }
+            },
+        );
+    }
+
     pub(crate) fn harmonics(&self) -> usize {
         self.harmonics
     }

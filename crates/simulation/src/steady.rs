@@ -40,7 +40,7 @@ const TOLERANCE: f64 = 1e-5;
 const MOST_HARMONICS: usize = 30;
 
 /// Most points of a branch.
-const MOST_POINTS: usize = 2000;
+const MOST_POINTS: usize = 10_000;
 
 /// Most force amplitudes, most equations of a point, interfaces times Fourier coefficients, and most
 /// of amplitudes times the cube of the equations: hours at the most points.

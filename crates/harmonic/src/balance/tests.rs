@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_law::{ContactDamping, Friction, Power};
+use asperity_law::{Constant, ContactDamping, Friction, Power};
 use asperity_mesh::{Body, Interface, Port, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure};
 
@@ -154,6 +154,65 @@ fn derivatives_with_damped_contacts_match_differences() {
     let carries_nothing = balance.samples_of(&balance.force_samples, 1).iter();
     let least = -system.contacts()[1].area() * system.contacts()[1].pressure();
     assert!(carries_nothing.filter(|force| **force == least).count() > 2);
+}
+
+fn pushes() -> Interface {
+    Interface::new("contact", 1.15e-4, Arc::new(Constant::unilateral(1e12).unwrap())).unwrap()
+}
+
+/// With contacts that open for a third of the period, and that open or close for less than the time between
+/// two samples.
+#[test]
+fn derivatives_with_open_contacts_match_differences() {
+    for contact in [pushes, contact] {
+        let system = system(vec![bar(0.2, 1.6), bar(0.06, 0.3)], vec![contact(), contact()]);
+        let mut balance = Balance::new(&system, 3, 32);
+        let opens = |i: usize| {
+            let contact = &system.contacts()[i];
+            contact.closure() - contact.law().closure(0.0)
+        };
+        // Of a cosine whose extremum lies halfway between two samples.
+        let (sin, cos) = (std::f64::consts::TAU * 0.5 / 32.0).sin_cos();
+        for (first, second) in [(1.3, 1.004), (-1.004, 1.004)] {
+            let mut x = vec![0.0; 14];
+            for (i, size) in [(0, first), (1, second)] {
+                let mean = if size < 0.0 { 2.0 } else { 0.0 };
+                let size: f64 = opens(i) * size;
+                x[7 * i] = -mean * opens(i);
+                (x[7 * i + 1], x[7 * i + 2]) = (-size.abs() * cos, -size.abs() * sin);
+            }
+            assert_derivatives(&mut balance, &x);
+        }
+    }
+}
+
+/// The force of a spring that only pushes under a cosine, against its Fourier series in closed form.
+#[test]
+fn the_force_of_a_spring_that_opens_is_its_fourier_series() {
+    let system = system(vec![bar(0.2, 1.6)], vec![pushes()]);
+    let contact = &system.contacts()[0];
+    let (k, opening) = (contact.spring(), contact.law().closure(0.0) - contact.closure());
+    let mut balance = Balance::new(&system, 5, 80);
+    for ratio in [-0.9995, -0.6, 0.2, 0.98] {
+        let a = opening.abs() / 0.6;
+        // Closed while a cos(th) > ratio a, for |th| < half.
+        let (mean, half) = (opening - ratio * a, f64::acos(ratio));
+        let mut x = [0.0; 11];
+        (x[0], x[1]) = (mean, a);
+        let at = Conditions { angular_frequency: 4e3, anti_damping: 0.0, force: 1.0 };
+        balance.evaluate(&x, &at).unwrap();
+        let sine = |n: i32| if n == 0 { half } else { (f64::from(n) * half).sin() / f64::from(n) };
+        for n in 0..=5 {
+            let scale = if n == 0 { 1.0 } else { 2.0 } * k * a / std::f64::consts::PI;
+            let wanted = scale * (0.5 * (sine(n - 1) + sine(n + 1)) - ratio * sine(n));
+            let found = match n {
+                0 => balance.forces[0] - k * opening,
+                1 => balance.forces[1] + k * a,
+                n => balance.forces[2 * n as usize - 1],
+            };
+            assert!((found - wanted).abs() < 1e-8 * k * a, "{ratio} {n}: {found} {wanted}");
+        }
+    }
 }
 
 /// With friction: in a guide under the force of a damped contact, in one with a force of its own, across

@@ -77,7 +77,8 @@ pub(crate) fn state_of(response: &PeriodicResponse) -> [f64; 2] {
 }
 
 /// A mass on a spring that only pushes, the plainest contact that opens: branches over its resonance complete from
-/// a twentieth to a third of the weight, with two folds, and 2 % above the lower one the response of the upper part is that of integration in time within 0.1 %.
+/// a twentieth of the weight to the whole of it, and the response of the upper part, 2 % above the lowest fold, is
+/// that of integration in time within 0.1 %.
 #[test]
 fn a_mass_on_a_spring_that_only_pushes_has_whole_branches() {
     let law: Law = Arc::new(Constant::unilateral(1e12).unwrap());
@@ -85,9 +86,10 @@ fn a_mass_on_a_spring_that_only_pushes_has_whole_branches() {
     let rate = rate_on(&law);
     let natural = natural_frequency(&law);
     let weight = MASS * 9.81;
-    for share in [0.05, 0.1, 0.3] {
+    // The peak of a higher force leans further.
+    for (share, low) in [(0.05, 0.4), (0.1, 0.4), (0.3, 0.4), (1.0, 0.15)] {
         let force = share * weight;
-        let range = Continuation::Frequency { force, from: 0.4 * natural, to: 1.5 * natural };
+        let range = Continuation::Frequency { force, from: low * natural, to: 1.5 * natural };
         let settings = HarmonicSettings {
             resolution: FourierResolution::Automatic { tolerance: 1e-5, most: 30 },
             stability: Some(Floquet::default()),
@@ -100,7 +102,9 @@ fn a_mass_on_a_spring_that_only_pushes_has_whole_branches() {
         assert_eq!(opens, share > 0.07, "{share}");
         let folds = branch.of_kind(SpecialPointKind::Fold).map(PeriodicResponse::frequency_hz);
         let folds: Vec<f64> = folds.collect();
-        assert_eq!(folds.len(), if opens { 2 } else { 0 }, "{share}");
+        // The weight itself has resonances of harmonics too.
+        let count = if share < 1.0 { 2 } else { 10 };
+        assert_eq!(folds.len(), if opens { count } else { 0 }, "{share}");
         // Next to the fold transients hardly decay.
         let lowest = 1.02 * folds.iter().copied().fold(f64::INFINITY, f64::min);
         let away = |point: &&PeriodicResponse| {
