@@ -20,6 +20,7 @@ mod twin;
 #[path = "../tests/support/wrong_models.rs"]
 mod wrong_models;
 
+use std::collections::BTreeMap;
 use std::fs::OpenOptions;
 use std::io::Write as _;
 use std::path::Path;
@@ -49,6 +50,8 @@ struct Row {
     half_width: f64,
     chi_square: f64,
     degrees_of_freedom: usize,
+    /// Root mean square residual of each feature, in standard deviations.
+    residuals: BTreeMap<String, f64>,
     wall_s: f64,
 }
 
@@ -63,7 +66,8 @@ impl Row {
             reasons.into_iter().filter(|reason| reason.kind != ReasonKind::Incomplete).collect(),
         );
         self.usability = word(judgement.usability);
-        let reason = |one: &asperity_identify::Reason| format!("{}: {}", word(one.usability), one.words);
+        let reason =
+            |one: &asperity_identify::Reason| format!("{}: {}", word(one.usability), one.words);
         self.reasons = judgement.reasons.iter().map(reason).collect();
         let band = &found.law;
         for i in (0..band.pressure.len()).filter(|&i| band.informed[i]) {
@@ -75,6 +79,13 @@ impl Row {
         }
         self.chi_square = found.goodness.chi_square;
         self.degrees_of_freedom = found.goodness.degrees_of_freedom;
+        let mut sums: BTreeMap<String, (f64, f64)> = BTreeMap::new();
+        for one in found.observations() {
+            let sum = sums.entry(one.feature.to_owned()).or_default();
+            // With the standard deviations as given.
+            *sum = (sum.0 + (one.residual * found.noise_factor).powi(2), sum.1 + 1.0);
+        }
+        self.residuals = sums.into_iter().map(|(key, sum)| (key, (sum.0 / sum.1).sqrt())).collect();
     }
 }
 
@@ -100,8 +111,9 @@ fn main() {
 fn run(table: &Path, seed: u64, twins: std::ops::Range<usize>) {
     for twin in twins {
         let known = rows(table);
-        let is_known =
-            |right: bool| known.iter().any(|row| (row.seed, row.twin, row.right) == (seed, twin, right));
+        let is_known = |right: bool| {
+            known.iter().any(|row| (row.seed, row.twin, row.right) == (seed, twin, right))
+        };
         if is_known(true) && is_known(false) {
             continue;
         }
@@ -125,6 +137,7 @@ fn run(table: &Path, seed: u64, twins: std::ops::Range<usize>) {
                 half_width: 0.0,
                 chi_square: 0.0,
                 degrees_of_freedom: 0,
+                residuals: BTreeMap::new(),
                 wall_s: 0.0,
             };
             let started = Instant::now();
@@ -142,7 +155,9 @@ fn run(table: &Path, seed: u64, twins: std::ops::Range<usize>) {
 
 /// Prints the counts by kind, for right and wrong models.
 fn count(rows: &[Row]) {
-    println!("| model | kind | yes | with care | no | failed | yes, and fewer than 80 % of the informed pressures inside | inside where yes or with care |");
+    println!(
+        "| model | kind | yes | with care | no | failed | yes, and fewer than 80 % of the informed pressures inside | inside where yes or with care |"
+    );
     println!("|---|---|---|---|---|---|---|---|");
     for right in [true, false] {
         for kind in KINDS.into_iter().map(Some).chain([None]) {
@@ -154,7 +169,8 @@ fn count(rows: &[Row]) {
             let is_calm = |row: &&&Row| {
                 row.usability == "yes" && (row.inside as f64) < 0.8 * row.informed as f64
             };
-            let used = || own.iter().filter(|row| ["yes", "with_care"].contains(&row.usability.as_str()));
+            let used =
+                || own.iter().filter(|row| ["yes", "with_care"].contains(&row.usability.as_str()));
             let (inside, informed) =
                 used().fold((0, 0), |sum, row| (sum.0 + row.inside, sum.1 + row.informed));
             println!(
