@@ -7,6 +7,8 @@
 //! gains; a rigid support in place of an elastic one; friction left out; a receptance of reversed sign), and
 //! appends both to TABLE, JSON objects of a line each. Rows that TABLE has are not run again.
 //!
+//! `... -- explain SEED TWIN` prints what would explain the data of a rig better than its wrong model.
+//!
 //! `... -- count TABLE...` prints the counts. Profiles, comparison and explanations are left out, and so is
 //! the reason that the judgement names for it.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "its problems are valid")]
@@ -100,6 +102,18 @@ fn main() {
         [word, tables @ ..] if word == "count" => {
             count(&tables.iter().flat_map(|table| rows(Path::new(table))).collect::<Vec<_>>());
         }
+        [word, seed, twin] if word == "explain" => {
+            let mut rig = Rig::new(seed.parse().unwrap(), twin.parse().unwrap());
+            let found = identify(&rig.problem(false)).unwrap();
+            let chi_square = found.goodness.chi_square;
+            println!("{} of {}: chi-square {chi_square:.0}", rig.kind, rig.law);
+            for one in &found.explanations {
+                println!(
+                    "  {}: expected {:.0?}, found {:.0?}",
+                    one.cause, one.expected_chi_square, one.chi_square
+                );
+            }
+        }
         [table, seed, first, end] => {
             let number = |word: &String| word.parse::<usize>().unwrap();
             run(Path::new(table), number(seed) as u64, number(first)..number(end));
@@ -141,7 +155,7 @@ fn run(table: &Path, seed: u64, twins: std::ops::Range<usize>) {
                 wall_s: 0.0,
             };
             let started = Instant::now();
-            match identify(&rig.problem(right)) {
+            match identify(&rig.problem(right).fast()) {
                 Ok(found) => row.judged(&found, &truth),
                 Err(error) => row.reasons.push(error.to_string()),
             }

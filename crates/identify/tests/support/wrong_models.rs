@@ -207,7 +207,7 @@ impl Rig {
             "draws": 300,
         });
         let document = Document::parse(&problem.to_string(), "twin.json").unwrap();
-        IdentificationProblem::of(document).unwrap().fast()
+        IdentificationProblem::of(document).unwrap()
     }
 }
 
