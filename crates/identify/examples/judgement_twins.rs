@@ -9,6 +9,8 @@
 //!
 //! `... -- explain SEED TWIN` prints what would explain the data of a rig better than its wrong model.
 //!
+//! `... -- truth SEED TWIN` prints the residuals with the right model, fitted from the true law and losses.
+//!
 //! `... -- count TABLE...` prints the counts. Profiles, comparison and explanations are left out, and so is
 //! the reason that the judgement names for it.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "its problems are valid")]
@@ -114,6 +116,9 @@ fn main() {
                 );
             }
         }
+        [word, seed, twin] if word == "truth" => {
+            truth(seed.parse().unwrap(), twin.parse().unwrap())
+        }
         [table, seed, first, end] => {
             let number = |word: &String| word.parse::<usize>().unwrap();
             run(Path::new(table), number(seed) as u64, number(first)..number(end));
@@ -165,6 +170,20 @@ fn run(table: &Path, seed: u64, twins: std::ops::Range<usize>) {
         }
     }
     count(&rows(table));
+}
+
+/// Prints the residuals of each feature with the right model from the true damping, in standard deviations.
+fn truth(seed: u64, twin: usize) {
+    let rig = Rig::new(seed, twin);
+    let found = identify(&rig.at_truth().fast()).unwrap();
+    println!("{} of {}: chi-square {:.0}", rig.kind, rig.law, found.goodness.chi_square);
+    for estimate in found.estimates() {
+        println!("  {}: {}", estimate.name, estimate.value);
+    }
+    for one in found.observations() {
+        let residual = one.residual * found.noise_factor;
+        println!("  {} at {:.4?}: {:+.2}", one.feature, one.at, residual);
+    }
 }
 
 /// Prints the counts by kind, for right and wrong models.
