@@ -31,7 +31,7 @@ use crate::scenario_model::ScenarioModel;
 pub(super) const CONTRADICTED: f64 = 5.0;
 
 /// Steps of a short fit.
-const ITERATIONS: usize = 8;
+const ITERATIONS: usize = 12;
 
 /// Most short fits.
 const MOST_FITS: usize = 3;
@@ -49,7 +49,10 @@ const FITTED_PART: f64 = 0.3;
 const LARGEST_CHANGE: f64 = 0.7;
 
 /// Damping ratio at the natural frequency of the first loss that is tried.
-const TRIED_RATIO: f64 = 2e-3;
+const TRIED_RATIO: f64 = 1e-3;
+
+/// Least and largest part of the damping of the bodies that a loss takes over where its fit starts.
+const TAKEN: [f64; 2] = [0.3, 0.8];
 
 /// Factors of the response that faults of sensors, units and polarity bring.
 const FACTORS: [(f64, &str); 6] = [
@@ -80,6 +83,71 @@ impl Explanation {
     fn least(&self) -> f64 {
         self.chi_square.or(self.expected_chi_square).unwrap_or(f64::INFINITY)
     }
+}
+
+/// A loss that the scenario does not have, at one place or several of one kind.
+struct Loss {
+    cause: String,
+    places: Vec<JsonPointer>,
+    /// The loss of the size that is tried first, and the key of that size.
+    value: Value,
+    key: &'static str,
+    size: f64,
+}
+
+impl Loss {
+    fn pointer(&self, place: usize) -> String {
+        self.places[place].child(self.key).to_string()
+    }
+
+    /// Places and values of the loss at a part of its size.
+    fn values(&self, part: f64) -> impl Iterator<Item = (String, Value)> {
+        let mut value = self.value.clone();
+        value[self.key] = json!(part * self.size);
+        self.places.iter().map(move |place| (place.to_string(), value.clone()))
+    }
+}
+
+/// The losses that a scenario does not have: damping of the contacts of each law, friction of the upper body.
+fn losses(scenario: &Value, natural: Option<f64>) -> Vec<Loss> {
+    let list = |section: &str| scenario[section].as_array().cloned().unwrap_or_default();
+    let name = |one: &Value, place: usize| {
+        one["name"].as_str().map_or_else(|| place.to_string(), str::to_owned)
+    };
+    let time = TRIED_RATIO / (PI * natural.unwrap_or(1e3));
+    let mut found: Vec<(Value, Loss)> = Vec::new();
+    for (place, interface) in list("interfaces").iter().enumerate() {
+        if interface.get("damping").is_some_and(|damping| !damping.is_null()) {
+            continue;
+        }
+        let at = JsonPointer::root().child("interfaces").child(place.to_string()).child("damping");
+        let named = format!("\"{}\"", name(interface, place));
+        let law = interface["law"].clone();
+        // Contacts of one law dissipate alike.
+        if let Some((_, loss)) =
+            found.iter_mut().find(|(known, _)| known.is_string() && *known == law)
+        {
+            loss.places.push(at);
+            loss.cause.push_str(&format!(" and {named}"));
+        } else {
+            let value = json!({"kind": "kelvin_voigt", "time_s": time});
+            let cause = format!("contact damping of {named}");
+            found.push((law, Loss { cause, places: vec![at], value, key: "time_s", size: time }));
+        }
+    }
+    let mut found: Vec<Loss> = found.into_iter().map(|(_, loss)| loss).collect();
+    let upper = list("bodies").into_iter().next();
+    if let Some(body) = upper.filter(|body| body.get("friction").is_none_or(Value::is_null)) {
+        let at = JsonPointer::root().child("bodies").child("0").child("friction");
+        found.push(Loss {
+            cause: format!("friction of the guide of \"{}\"", name(&body, 0)),
+            places: vec![at],
+            value: json!({"stiffness_n_per_m": STUCK, "coefficient": COEFFICIENT}),
+            key: "coefficient",
+            size: COEFFICIENT,
+        });
+    }
+    found
 }
 
 /// A change with its score.
@@ -118,7 +186,6 @@ impl Unexplained<'_> {
             return Ok(Vec::new());
         }
         let mut scored = self.of_given_numbers()?;
-        scored.extend(self.of_losses()?);
         let excess = self.goodness.chi_square - self.goodness.degrees_of_freedom as f64;
         let part = |one: &Scored| (self.goodness.chi_square - one.expected) / excess.max(1.0);
         scored.retain(|one| part(one) >= LEAST_PART);
@@ -128,11 +195,16 @@ impl Unexplained<'_> {
             self.of_factor(progress).map(|one| vec![one]).unwrap_or_default();
         // With the wrong factor nothing else is worth a fit.
         let mut fits = if found.is_empty() { MOST_FITS } else { 0 };
+        if fits > 0 {
+            let least = self.goodness.chi_square - LEAST_PART * excess.max(1.0);
+            let losses = self.of_losses(progress)?.into_iter();
+            found.extend(losses.filter(|one| one.least() <= least));
+        }
         for one in scored {
             let mut chi_square = None;
             if fits > 0 && part(&one) >= FITTED_PART && !self.problem.work.is_stopped() {
                 fits -= 1;
-                chi_square = self.fitted(&one.candidate, progress);
+                chi_square = self.fitted((&one.candidate, &self.best.point), progress);
             }
             let expected_chi_square = Some(one.expected);
             found.push(Explanation { cause: one.cause, expected_chi_square, chi_square });
@@ -200,58 +272,88 @@ impl Unexplained<'_> {
         Ok(scored)
     }
 
-    /// Losses that the scenario does not have: contacts that dissipate, and friction of a guide.
-    fn of_losses(&self) -> Result<Vec<Scored>, IdentificationError> {
-        let scenario = &self.forward.scenario;
-        let list = |section: &str| scenario[section].as_array().cloned().unwrap_or_default();
-        let natural = self.forward.natural_frequency(&self.best.point).unwrap_or(1e3);
-        let time = TRIED_RATIO / (PI * natural);
-        let name = |one: &Value, place: usize| {
-            one["name"].as_str().map_or_else(|| place.to_string(), str::to_owned)
-        };
-        let mut tried = Vec::new();
-        for (place, interface) in list("interfaces").iter().enumerate() {
-            if interface.get("damping").is_none_or(Value::is_null) {
-                let at = JsonPointer::root().child("interfaces").child(place.to_string());
-                let damping = json!({"kind": "kelvin_voigt", "time_s": time});
-                let cause = format!("contact damping of \"{}\"", name(interface, place));
-                tried.push((cause, at.child("damping"), "time_s", damping, time));
-            }
-        }
-        for (place, body) in list("bodies").iter().enumerate().take(1) {
-            if body.get("friction").is_none_or(Value::is_null) {
-                let at = JsonPointer::root().child("bodies").child(place.to_string());
-                let friction = json!({"stiffness_n_per_m": STUCK, "coefficient": COEFFICIENT});
-                let cause = format!("friction of the guide of \"{}\"", name(body, place));
-                tried.push((cause, at.child("friction"), "coefficient", friction, COEFFICIENT));
-            }
-        }
+    /// Losses that the scenario does not have: of the contacts of each law, and friction of a guide. Each is
+    /// fitted: far from the best fit, where a loss takes the place of the damping of the bodies, scores do not hold.
+    fn of_losses(
+        &self,
+        progress: &ProgressCallback<'_>,
+    ) -> Result<Vec<Explanation>, IdentificationError> {
         let Some(base) = predicted(self.forward, &self.best.point) else { return Ok(Vec::new()) };
-        let mut scored = Vec::new();
-        for (cause, at, key, value, size) in tried {
-            let pointer = at.to_string();
-            let with = self.forward.with_set(&pointer, &value);
-            let Some(with) = predicted(&with, &self.best.point) else { continue };
-            let change = change(&base, &with, self.observations);
-            let (step, expected) = self.score(&change, [0.0, LARGEST_LOSS])?;
-            let found = (size * step).max(1e-2 * size);
-            let mut set = Changes::new();
-            let mut value = value.clone();
-            value[key] = json!(found);
-            set.insert(pointer, value);
-            let unknown = scalar(at.child(key).to_string(), [1e-3 * found, 1e3 * found], found);
-            let candidate = CandidateSpec { name: cause.clone(), set, unknowns: vec![unknown] };
-            let cause = format!("{cause} ({key} near {})", four_digits(found));
-            scored.push(Scored { cause, expected, candidate });
+        let mut found = Vec::new();
+        for loss in losses(&self.forward.scenario, self.forward.natural_frequency(&self.best.point))
+        {
+            if self.problem.work.is_stopped() {
+                break;
+            }
+            // Differences of second order at an end of the range.
+            let [Some(whole), Some(half)] = [1.0, 0.5].map(|part| {
+                let with =
+                    loss.values(part).fold(self.forward.with_scaled("", 1.0), |with, one| {
+                        with.with_set(&one.0, &one.1)
+                    });
+                predicted(&with, &self.best.point)
+            }) else {
+                continue;
+            };
+            let [whole, half] = [whole, half].map(|with| change(&base, &with, self.observations));
+            let slope: Vec<f64> = half.iter().zip(&whole).map(|(h, w)| 4.0 * h - w).collect();
+            let (step, expected) = self.score(&slope, [0.0, LARGEST_LOSS])?;
+            let (step, start) = self.in_place_of_body_damping(&slope, step)?;
+            let size = loss.size * step;
+            let set = loss.values(step).map(|(pointer, value)| (pointer.to_string(), value));
+            let mut unknown = scalar(loss.pointer(0), [1e-3 * size, 1e3 * size], size);
+            if let ParameterSpec::Scalar { also, .. } = &mut unknown {
+                also.extend((1..loss.places.len()).map(|place| loss.pointer(place)));
+            }
+            let candidate = CandidateSpec {
+                name: loss.cause.clone(),
+                set: set.collect(),
+                unknowns: vec![unknown],
+            };
+            let chi_square = self.fitted((&candidate, &start), progress);
+            let cause = loss.cause.clone();
+            found.push(Explanation { cause, expected_chi_square: Some(expected), chi_square });
         }
-        Ok(scored)
+        Ok(found)
     }
 
-    /// Chi-square of a short fit of a candidate from the best fit; `None` if it cannot be set up or run.
-    fn fitted(&self, candidate: &CandidateSpec, progress: &ProgressCallback<'_>) -> Option<f64> {
+    /// The size of a loss in units of `slope`, and the parameters from which it is fitted: it takes the place of
+    /// the part of the identified damping of the bodies that `step` is worth, within limits.
+    fn in_place_of_body_damping(
+        &self,
+        slope: &[f64],
+        step: f64,
+    ) -> Result<(f64, Vec<f64>), IdentificationError> {
+        let mut point = self.best.point.clone();
+        let shift = self.linear.1.shift(self.linear.0, slope)?;
+        let parameters = self.forward.parameters();
+        let fall = self.forward.parameters.body_damping().map(|body| {
+            let parameter = &parameters[body];
+            (body, -shift[body] * parameter.d_value_d_working(point[body]) / point[body])
+        });
+        let Some((body, fall)) = fall.filter(|(_, fall)| *fall > 0.0) else {
+            return Ok((step.max(1e-2), point));
+        };
+        // The damping of the bodies falls in proportion to the step.
+        let part = (step * fall).clamp(TAKEN[0], TAKEN[1]);
+        let step = part / fall;
+        for (j, parameter) in parameters.iter().enumerate() {
+            let moved = shift[j] * step * parameter.d_value_d_working(point[j]);
+            let [low, high] = parameter.bounds();
+            let value = if j == body { point[j] * (1.0 - part) } else { point[j] + moved };
+            point[j] = value.clamp(low, high);
+        }
+        Ok((step, point))
+    }
+
+    /// Chi-square of a short fit of a candidate from `start`; `None` if it cannot be set up or run.
+    fn fitted(
+        &self,
+        (candidate, start): (&CandidateSpec, &[f64]),
+        progress: &ProgressCallback<'_>,
+    ) -> Option<f64> {
         let mut trial = self.problem.clone();
-        trial.scenario =
-            self.problem.scenario_at(&self.problem.spec.unknowns, &self.best.point).ok()?;
+        trial.scenario = self.problem.scenario_at(&self.problem.spec.unknowns, start).ok()?;
         for unknown in &mut trial.spec.unknowns {
             if let ParameterSpec::Scalar { start, .. } = unknown {
                 *start = None;

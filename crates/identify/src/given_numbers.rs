@@ -12,6 +12,7 @@ use asperity_inference::{Covariance, ForwardModel, Linearisation, Predictions, n
 use asperity_scenario::JsonPointer;
 use serde::Serialize;
 use serde_json::Value;
+use std::f64::consts::PI;
 
 use crate::error::IdentificationError;
 use crate::identification_problem::IdentificationProblem;
@@ -64,6 +65,20 @@ pub(super) struct GivenNumbers {
     pub(super) columns: Vec<(GivenNumber, Vec<f64>)>,
     /// Standard deviation of ln K at each pressure of the band.
     pub(super) deviation: Vec<f64>,
+    /// Change of ln K for a compliance below the stack \[N/m\], and its pressure \[Pa\], under a rigid support.
+    in_series: Option<(f64, f64)>,
+}
+
+/// The assumption of a rigid support.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RigidSupport {
+    /// Stiffness \[N/m\] of a support that would move ln K by half of the width of its band.
+    pub stiffness_n_per_m: f64,
+    /// Pressure \[Pa\] at which it would.
+    pub pressure_pa: f64,
+    /// Stiffness \[N/m\] of a half-space of steel under the lowest contact: `2 E a / (1 - nu^2)` with the radius a
+    /// of a circle of its area. Source: K. L. Johnson, *Contact Mechanics*, 1985, section 3.4.
+    pub half_space_n_per_m: f64,
 }
 
 impl GivenNumbers {
@@ -125,6 +140,8 @@ impl GivenNumbers {
             if number.sensitivity.abs() >= LEAST_SENSITIVITY {
                 found.list.push(number.clone());
             }
+            found.in_series =
+                found.in_series.or_else(|| series_compliance(&forward.scenario, &number));
             found.columns.push((number, change));
         }
         found.list.sort_by(|a, b| b.sensitivity.abs().total_cmp(&a.sensitivity.abs()));
@@ -133,6 +150,21 @@ impl GivenNumbers {
 }
 
 impl GivenNumbers {
+    /// The least stiffness of a support that may be taken as rigid for this law and its band.
+    pub(super) fn rigid_support(&self, scenario: &Value, law: &LawBand) -> Option<RigidSupport> {
+        let (slope, pressure_pa) = self.in_series?;
+        let place = law.pressure.iter().position(|p| *p == pressure_pa)?;
+        let half_width = 0.5 * (law.upper[place] / law.lower[place]).ln();
+        let area = scenario["interfaces"].as_array()?.last()?["area_m2"].as_f64()?;
+        let half_space_n_per_m = 2.0 * STEEL / (1.0 - POISSON.powi(2)) * (area / PI).sqrt();
+        let stiffness_n_per_m = slope.abs() / half_width;
+        stiffness_n_per_m.is_finite().then_some(RigidSupport {
+            stiffness_n_per_m,
+            pressure_pa,
+            half_space_n_per_m,
+        })
+    }
+
     /// Widens the intervals of stiffnesses of the law of the band, as the band.
     pub(super) fn widen(&self, stiffnesses: &mut [StiffnessEstimate], law: &LawBand, level: f64) {
         let width = normal_quantile(0.5 + 0.5 * level);
@@ -172,6 +204,26 @@ impl LawBand {
             }
         }
     }
+}
+
+/// Young's modulus \[Pa\] and Poisson's ratio of steel.
+const STEEL: f64 = 210e9;
+const POISSON: f64 = 0.3;
+
+/// Change of ln K for a compliance below the lowest body \[N/m\], if this number is the modulus of that body, which
+/// stands on a rigid support: the compliance of the body, length / (modulus area), is in series with it.
+fn series_compliance(scenario: &Value, number: &GivenNumber) -> Option<(f64, f64)> {
+    let is_rigid = scenario.pointer("/support/kind").is_none_or(|kind| kind == "rigid");
+    let bodies = scenario["bodies"].as_array()?;
+    let last = bodies.len().checked_sub(1).filter(|last| is_rigid && *last > 0)?;
+    if number.pointer != format!("/bodies/{last}/youngs_modulus_pa") {
+        return None;
+    }
+    let of = |key: &str| bodies[last][key].as_f64();
+    let length = of("length_m")?;
+    let area = of("area_m2").or_else(|| Some(of("mass_kg")? / (of("density_kg_per_m3")? * length)));
+    let slope = -number.sensitivity * number.value * area? / length;
+    Some((slope, number.pressure_pa))
 }
 
 /// Place of the informed pressure next to the static one, or of the static one.

@@ -15,7 +15,7 @@ use crate::correlation::correlation_factor;
 use crate::design::{DesignModel, DesignRanking};
 use crate::error::IdentificationError;
 use crate::explanations::{Explanation, Unexplained};
-use crate::given_numbers::{GivenNumber, GivenNumbers};
+use crate::given_numbers::{GivenNumber, GivenNumbers, RigidSupport};
 use crate::hit_numerics::HitNumerics;
 use crate::identification_problem::IdentificationProblem;
 use crate::incomplete::IncompleteIdentification;
@@ -90,6 +90,8 @@ pub struct Identification {
     pub latent: Vec<bool>,
     /// Numbers of the scenario that the law depends on and that no parameter changes.
     pub given: Vec<GivenNumber>,
+    /// What the assumption of a rigid support means for the law; none without it.
+    pub rigid_support: Option<RigidSupport>,
     /// The reason why there are no draws from the posterior but the best fit.
     pub unsampled: Option<String>,
     /// Changes of the model that would explain the data better, where it does not explain them.
@@ -210,6 +212,7 @@ pub fn identify_with_progress(
         free_law: drawn.free_law,
         acts_on_law: acts_on_law(&forward),
         explanations,
+        rigid_support: drawn.given.rigid_support(&forward.scenario, &drawn.law),
         given: drawn.given.list,
         unsampled: drawn.unsampled,
         of_law: each(&|parameter| forward.parameters.is_of_law(parameter)),

@@ -18,7 +18,7 @@ use asperity_simulation::provenance::InputFile;
 const TOLERANCE: f64 = 1e-7;
 
 /// Relative step of difference derivatives: large against the tables' errors of 1e-6, with an error
-/// of 1e-4 from the curvature.
+/// of 1e-4 from the curvature; shorter where the data are precise.
 const DIFFERENCE: f64 = 1e-2;
 
 /// An identification problem with its scenario, checked except for the data files.

@@ -59,6 +59,8 @@ pub enum ReasonKind {
     OtherLaw,
     /// A constant stiffness is not rejected.
     ConstantStiffness,
+    /// A support that is taken as rigid.
+    RigidSupport,
     /// The standard deviations of the data are far larger than the residuals.
     Spreads,
 }
@@ -251,6 +253,7 @@ impl Identification {
         reasons.extend(self.of_intervals());
         reasons.extend(self.of_law());
         reasons.extend(self.of_comparison());
+        reasons.extend(self.of_support());
         reasons.extend(self.of_spreads());
         Judgement::of(reasons)
     }
@@ -529,6 +532,23 @@ impl Identification {
             return Some(Reason::new(ReasonKind::ConstantStiffness, care, words, numbers));
         }
         None
+    }
+
+    /// No residual shows a compliance in series with all contacts: the law takes it up.
+    fn of_support(&self) -> Option<Reason> {
+        let support = self.rigid_support.filter(|_| self.law.informed_range().is_some())?;
+        let words = format!(
+            "the support is taken as rigid, which the data hardly test: one of less than {} N/m would move the stiffness at {} MPa by more than half of the width of its band. Under the lowest contact a half-space of steel has {} N/m.",
+            four_digits(support.stiffness_n_per_m),
+            four_digits(1e-6 * support.pressure_pa),
+            four_digits(support.half_space_n_per_m)
+        );
+        let numbers = [
+            ("stiffness_n_per_m", support.stiffness_n_per_m),
+            ("pressure_pa", support.pressure_pa),
+            ("half_space_n_per_m", support.half_space_n_per_m),
+        ];
+        Some(Reason::new(ReasonKind::RigidSupport, Usability::Yes, words, numbers))
     }
 
     fn of_spreads(&self) -> Option<Reason> {

@@ -310,6 +310,12 @@ impl ProblemParameters {
             || self.list[parameter].is_latent()
     }
 
+    /// The parameter that is the damping of the bodies.
+    pub(super) fn body_damping(&self) -> Option<usize> {
+        let is_body = |number: &ScenarioParameter| number.pointer.starts_with("/damping/");
+        self.scalars.iter().find(|(_, number)| is_body(number)).map(|(place, _)| *place)
+    }
+
     /// Pointers to the written numbers, without the numbers of the form that the free law replaces.
     pub(super) fn pointers(&self) -> impl Iterator<Item = &str> {
         let free = self.free.as_ref().map(|(_, law)| law.pointer.as_str());

@@ -120,6 +120,7 @@ impl Identification {
             },
             "explanations": self.explanations,
             "given": self.given,
+            "rigid_support": self.rigid_support,
             "fit": {
                 "chi_square": goodness.chi_square,
                 "degrees_of_freedom": goodness.degrees_of_freedom,

@@ -243,6 +243,45 @@ fn given_numbers_are_listed_and_their_tolerance_is_in_the_band() {
     assert!(refused.unwrap_err().to_string().contains(mass));
 }
 
+/// A frequency of the rig determines the stiffness of the whole stack: a support taken as rigid is remarked
+/// with the stiffness at which it matters, which is that of an elastic support in the model.
+#[test]
+fn a_support_taken_as_rigid_is_remarked() {
+    let found = |support: Value| {
+        let mut rig = rig();
+        rig["method"] = json!({"kind": "modal", "step_s": 2e-5, "modes_per_body": 2});
+        rig["support"] = support;
+        let hit = json!({"force_peak_n": 0.1, "features": {"fundamental.frequency_hz":
+            {"value": 900.0, "standard_deviation": 0.1}}});
+        let problem = json!({
+            "schema": "asperity/identify/1",
+            "scenario": rig,
+            "unknowns": [unknowns()[0]],
+            "data": [{"kind": "hits", "hits": [hit]}],
+            "draws": 200,
+        });
+        let document = Document::parse(&problem.to_string(), "problem.json").unwrap();
+        identify(&IdentificationProblem::of(document).unwrap()).unwrap()
+    };
+    let rigid = found(json!({"kind": "rigid"}));
+    let support = rigid.rigid_support.unwrap();
+    let remark = rigid.judgement().reasons.into_iter();
+    let mut remark = remark.filter(|reason| reason.kind == ReasonKind::RigidSupport);
+    assert_eq!(remark.next().unwrap().usability, Usability::Yes);
+    let band = &rigid.law;
+    let place = band.pressure.iter().position(|p| *p == support.pressure_pa).unwrap();
+    let half_width = 0.5 * (band.upper[place] / band.lower[place]).ln();
+    let stiffness = 2e9;
+    let elastic = found(json!({"kind": "spring_mass", "stiffness_n_per_m": stiffness,
+        "mass_kg": 1e-3, "damping_ratio": 0.01}));
+    assert_eq!(elastic.rigid_support, None);
+    let moved = (elastic.law.stiffness[place] / band.stiffness[place]).ln();
+    let expected = support.stiffness_n_per_m * half_width / stiffness;
+    assert!((moved / expected - 1.0).abs() < 0.05, "{moved} {expected}");
+    // 2 E a / (1 - nu^2) of an area of 1.15e-4 m2.
+    assert!((support.half_space_n_per_m / 2.79e9 - 1.0).abs() < 0.01);
+}
+
 /// A model without predictions about its best fit has no posterior, which voids the law: the fit is told.
 #[test]
 fn a_fit_far_from_the_data_has_a_judgement() {

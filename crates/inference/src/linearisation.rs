@@ -8,7 +8,7 @@ use crate::fit_problem::FitProblem;
 use crate::goodness::GoodnessOfFit;
 use crate::model::Predictions;
 use crate::parameter::Parameter;
-use crate::stencil::{Order, Stencil};
+use crate::stencil::{Order, Stencil, StencilStep};
 
 /// Standardised derivatives at the optimum.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,8 +49,10 @@ impl Fit<'_> {
         let optimum = self.optimum();
         let parameters = optimum.len();
         let free = vec![false; parameters];
-        let stencil =
-            |order| Stencil::new(problem, &optimum, &free, self.options.difference_step, order);
+        let stencil = |order, norms: &[f64]| {
+            let steps = StencilStep { relative: self.options.difference_step, norms };
+            Stencil::new(problem, &optimum, &free, steps, order)
+        };
         let standardised =
             |stencil: &Stencil, base: &Predictions, answers: &[Result<Predictions, String>]| {
                 let mut differences = stencil.derivatives(base, answers, parameters);
@@ -65,14 +67,15 @@ impl Fit<'_> {
             if let Some((values, own)) = own_derivatives(problem, self) {
                 // The values that come with derivatives are free of what these leave out, for example
                 // the error of a table.
-                let stencil = stencil(Order::Second);
+                let norms = column_norms(&own, parameters);
+                let stencil = stencil(Order::Second, &norms);
                 let value = |x: &Vec<f64>| problem.values_with_derivatives(x);
                 let answers: Vec<_> = stencil.points.par_iter().map(value).collect();
                 let differences = standardised(&stencil, &values, &answers);
                 let off = largest_difference(problem, &own, &differences);
                 (own, Some(off))
             } else {
-                let stencil = stencil(Order::Fourth);
+                let stencil = stencil(Order::Fourth, &[]);
                 let answers = problem.predict(&stencil.points);
                 (standardised(&stencil, &self.predictions, &answers), None)
             };
@@ -133,6 +136,12 @@ fn own_derivatives(
     });
     let rows = rows.collect::<Option<_>>()?;
     Some((derivatives.values, rows))
+}
+
+/// Norms of the columns of a Jacobian.
+fn column_norms(rows: &[Vec<f64>], parameters: usize) -> Vec<f64> {
+    let norm = |j: usize| rows.iter().map(|row| row[j] * row[j]).sum::<f64>().sqrt();
+    (0..parameters).map(norm).collect()
 }
 
 fn largest_difference(problem: &FitProblem<'_>, own: &[Vec<f64>], differences: &[Vec<f64>]) -> f64 {

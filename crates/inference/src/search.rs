@@ -7,7 +7,7 @@ use crate::fit_problem::FitProblem;
 use crate::linear_algebra::dot;
 use crate::model::Predictions;
 use crate::progress::{Progress, ProgressCallback, Stage};
-use crate::stencil::{Order, Stencil};
+use crate::stencil::{Order, Stencil, StencilStep};
 use step::LinearisedCost;
 
 /// The reason for the end of a search.
@@ -43,6 +43,9 @@ const MAX_DAMPING: f64 = 1e20;
 const UPDATED_RATIO: f64 = 0.25;
 /// Most updates before the derivatives are computed again.
 const MOST_UPDATES: usize = 12;
+/// Expected reduction of the cost of a rejected step from which the end of a search is no minimum: far below
+/// one, that of a parameter off by a standard deviation is 1/2.
+const LARGEST_REJECTED: f64 = 0.01;
 /// Shortest step that updates the derivatives, over the step of difference derivatives: differences
 /// along shorter ones are of the order of the errors of the predictions.
 const LEAST_UPDATE: f64 = 0.5;
@@ -91,6 +94,8 @@ pub(crate) struct Search {
     scaling: Vec<f64>,
     damping: f64,
     growth: f64,
+    /// Largest expected reduction of the steps that were rejected with these derivatives.
+    rejected: f64,
     request: Request,
     pub(crate) iterations: usize,
     pub(crate) evaluations: usize,
@@ -116,6 +121,7 @@ impl Search {
             scaling,
             damping: 1e-3,
             growth: 2.0,
+            rejected: 0.0,
             request: Request::Start,
             iterations: 0,
             evaluations: 0,
@@ -229,13 +235,19 @@ impl Search {
     }
 
     fn request_derivatives(&mut self, problem: &FitProblem<'_>, options: &FitOptions) {
-        let (step, order) = (options.difference_step, Order::Second);
+        let steps = StencilStep { relative: options.difference_step, norms: &self.scaling };
         self.request =
-            Request::Derivatives(Stencil::new(problem, &self.x, &self.held, step, order));
+            Request::Derivatives(Stencil::new(problem, &self.x, &self.held, steps, Order::Second));
     }
 
     /// Ends the search, unless it must first compute the derivatives again.
     fn end(&mut self, problem: &FitProblem<'_>, options: &FitOptions, termination: FitTermination) {
+        // Steps become short by damping too, where derivatives are wrong or predictions jump.
+        let termination = if self.rejected > LARGEST_REJECTED {
+            FitTermination::NoReduction
+        } else {
+            termination
+        };
         let good_enough = self.near && termination != FitTermination::NoReduction;
         if self.updates == 0 || good_enough {
             self.termination = Some(termination);
@@ -279,6 +291,7 @@ impl Search {
     }
 
     fn linearise(&mut self, problem: &FitProblem<'_>, options: &FitOptions) {
+        self.rejected = 0.0;
         let parameters = self.x.len();
         let linear = weighted(problem, &self.x, &self.residuals, &self.slopes, &self.held);
         let norms = linear.column_norms(parameters);
@@ -389,11 +402,12 @@ impl Search {
                 }
                 self.move_to(problem, options, (x, predictions, residuals), usable);
             }
-            // No reduction where hardly any was expected: rounding.
+            // No reduction where hardly any was expected: rounding, but for damped steps.
             _ if little => self.end(problem, options, FitTermination::SmallReduction),
             _ if short => self.end(problem, options, FitTermination::SmallStep),
             _ if self.updates > 0 => self.request_derivatives(problem, options),
             _ => {
+                self.rejected = self.rejected.max(expected);
                 self.damping *= self.growth;
                 self.growth *= 2.0;
                 self.propose(problem, options);

@@ -27,6 +27,31 @@ struct Column {
     formula: Formula,
 }
 
+/// Root mean square change of the observations in a step, in their standard deviations, above which steps are
+/// shortened: far below a resonance's width where data are precise, far above the errors of predictions.
+const LARGEST_CHANGE: f64 = 3.0;
+/// Shortest step over the one asked for.
+const SHORTEST: f64 = 1e-2;
+
+/// Steps for derivatives.
+#[derive(Clone, Copy)]
+pub(crate) struct StencilStep<'a> {
+    /// Step over the length of a parameter.
+    pub(crate) relative: f64,
+    /// Norms of the columns of the standardised Jacobian as far as known; zero where not. A step is shortened so
+    /// that the observations change by at most three standard deviations, root mean square.
+    pub(crate) norms: &'a [f64],
+}
+
+impl StencilStep<'_> {
+    fn of(self, problem: &FitProblem<'_>, parameter: usize, x: f64) -> f64 {
+        let asked = self.relative * problem.parameters[parameter].length(x);
+        let norm = self.norms.get(parameter).copied().unwrap_or(0.0);
+        let change = LARGEST_CHANGE * (problem.observations.len() as f64).sqrt();
+        if norm * asked > change { (change / norm).max(SHORTEST * asked) } else { asked }
+    }
+}
+
 /// The points around `x` for the derivatives with respect to all parameters that are not held.
 ///
 /// Next to a bound a one-sided formula of the same order keeps all points inside.
@@ -40,7 +65,7 @@ impl Stencil {
         problem: &FitProblem<'_>,
         x: &[f64],
         held: &[bool],
-        relative_step: f64,
+        steps: StencilStep<'_>,
         order: Order,
     ) -> Self {
         let (central, forward, width) = match order {
@@ -49,7 +74,7 @@ impl Stencil {
         };
         let (mut columns, mut points) = (Vec::new(), Vec::new());
         for j in (0..x.len()).filter(|&j| !held[j]) {
-            let step = relative_step * problem.parameters[j].length(x[j]);
+            let step = steps.of(problem, j, x[j]);
             let column = if x[j] - width * step < problem.lower[j] {
                 Column { parameter: j, step, formula: forward }
             } else if x[j] + width * step > problem.upper[j] {

@@ -7,7 +7,7 @@ use asperity_identify::IdentificationProblem;
 use asperity_scenario::Document;
 use asperity_signal::{
     FrfAverage, FundamentalSearch, HammerOptions, HitLength, HitOptions, HitRecord, ResponseKind,
-    TriggerLevel, analyse_hit,
+    TriggerLevel, analyse_hit, transform_pair_at,
 };
 use asperity_simulation::run::simulate;
 use serde_json::{Value, json};
@@ -37,6 +37,10 @@ pub fn is_long() -> bool {
 pub struct Truth {
     /// The scenario with the modal engine.
     pub scenario: Value,
+    /// Frequency about which the analysis looks for the fundamental \[Hz\].
+    pub near_hz: f64,
+    /// True if the features have a damping ratio.
+    pub with_damping: bool,
     rate: f64,
     hits: Vec<(f64, Vec<f64>, Vec<f64>)>,
 }
@@ -57,7 +61,11 @@ pub struct Sensors {
 impl Truth {
     /// Hits on the `scenario` with these peaks \[N\], by finite differences, after these changes.
     pub fn new(scenario: &str, peaks: &[f64], changes: &[(&str, &str)]) -> Self {
-        let mut document = Document::read(scenario).unwrap();
+        Self::of(Document::read(scenario).unwrap(), peaks, changes)
+    }
+
+    /// Hits on the scenario of a document.
+    pub fn of(mut document: Document, peaks: &[f64], changes: &[(&str, &str)]) -> Self {
         let method = r#"{"kind": "finite_difference", "cell_m": 0.001}"#;
         document.set("/method", method).unwrap();
         for (pointer, value) in changes {
@@ -73,7 +81,8 @@ impl Truth {
         let rate = document.value()["output_rate_hz"].as_f64().unwrap();
         let method = r#"{"kind": "modal", "step_s": 2e-5}"#;
         document.set("/method", method).unwrap();
-        Self { scenario: document.value().clone(), rate, hits }
+        let scenario = document.value().clone();
+        Self { scenario, near_hz: 850.0, with_damping: false, rate, hits }
     }
 
     /// The features of the hits as `sensors` measure them, one JSON object a hit.
@@ -94,7 +103,7 @@ impl Truth {
                 hold_off: before + 1,
             },
             ResponseKind::Acceleration,
-            FundamentalSearch::Frequency(850.0),
+            FundamentalSearch::Frequency(self.near_hz),
         );
         options.windows.force_s = Some((2e-3, 1e-3));
         options.windows.until_noise = true;
@@ -143,6 +152,10 @@ impl Truth {
                 "fundamental.frequency_hz": number(first.frequency_hz, sigma.frequency_hz),
                 "fundamental.receptance_m_per_n": number(first.magnitude, sigma.magnitude),
             });
+            let ratio = (features.mode.damping.half_power, features.mode_uncertainty.half_power);
+            if let (true, (Some(ratio), Some(deviation))) = (self.with_damping, ratio) {
+                measured["fundamental.damping_ratio"] = number(ratio, deviation);
+            }
             // The frequency of the second harmonic is left out: on so flat a peak noise moves it two
             // to three times as far as its linear uncertainty says.
             if let (Some(ratio), Some(deviation)) =
@@ -154,6 +167,51 @@ impl Truth {
         };
         let measured = self.hits.iter().enumerate().map(one).collect();
         (measured, table)
+    }
+
+    /// The receptance of the hit at `place` as `sensors` measure it, at `lines` frequencies, all of those that
+    /// the length of the record tells apart within a width of the resonance: the band \[Hz\], the columns of a
+    /// table, and the standard deviation of a part \[m/N\].
+    #[allow(dead_code, reason = "used by the twins of judgements")]
+    pub fn receptance(
+        &self,
+        place: usize,
+        sensors: &Sensors,
+        lines: usize,
+    ) -> ([f64; 2], Value, f64) {
+        let (_, force, response) = &self.hits[place];
+        let (count, rate) = (force.len() as f64, self.rate);
+        let spacing = rate / count;
+        let first = (self.near_hz / spacing).round() - (lines / 2) as f64;
+        let mut noise = Noise::new(sensors.seed);
+        let ratio = 10.0_f64.powf(-sensors.signal_to_noise_db / 20.0);
+        let rms = |signal: &[f64]| (signal.iter().map(|x| x * x).sum::<f64>() / count).sqrt();
+        // The force is zero outside its pulse, where an analysis takes no noise.
+        let deviations = [rms(force), rms(response)].map(|rms| ratio * rms);
+        let peak = force.iter().fold(0.0_f64, |peak, force| peak.max(*force));
+        let force = force.iter().map(|f| {
+            let within = if *f > 1e-3 * peak { deviations[0] * noise.normal() } else { 0.0 };
+            sensors.force_gain * (f + within)
+        });
+        let force: Vec<f64> = force.collect();
+        let noisy = |x: &f64| sensors.response_gain * (x + deviations[1] * noise.normal());
+        let response: Vec<f64> = response.iter().map(noisy).collect();
+        // Each part of the transform of white noise of this deviation, with the least force of the lines.
+        let part = deviations[1] * (0.5 * count).sqrt() / rate;
+        let (mut columns, mut deviation) = ([const { Vec::new() }; 3], 0.0_f64);
+        for line in 0..lines {
+            let frequency = (first + line as f64) * spacing;
+            let (x, f) = transform_pair_at(&response, &force, rate, frequency);
+            let squared = (std::f64::consts::TAU * frequency).powi(2);
+            let value = x / f / -squared;
+            columns[0].push(frequency);
+            columns[1].push(value.re);
+            columns[2].push(value.im);
+            deviation = deviation.max(part * sensors.response_gain.abs() / (squared * f.norm()));
+        }
+        let band = [columns[0][0] - 0.5 * spacing, columns[0][lines - 1] + 0.5 * spacing];
+        let [frequency, real, imag] = columns;
+        (band, json!({"frequency_hz": frequency, "real": real, "imag": imag}), deviation)
     }
 
     /// The problem of identifying `unknowns` from measured `hits`, with `more` keys.
