@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc;
 
 use asperity_figure::Figure;
 use asperity_simulation::sweep::on_threads;
@@ -89,19 +90,26 @@ pub(crate) fn study<'py>(
     let document = json::document_of(study, folder, "study", "a path, JSON text or a dict")?;
     let plan =
         py.detach(|| StudyPlan::of(document)).map_err(|error| exception::of_design(py, &error))?;
-    // Kept until the work ends, which may be after a Ctrl-C.
+    // Kept until the work ends.
     let own = match &out {
         Some(_) => None,
         None => Some(tempfile::tempdir().map_err(PyOSError::new_err)?),
     };
     let options = AnswerOptions { level, probabilities, thresholds: exceed };
-    let found =
-        background::run_watched(py, progress, Arc::new(Study::default()), move |watched| {
-            let folder = own.as_ref().map(tempfile::TempDir::path).or(out.as_deref());
-            let run =
-                RunOptions { folder: folder.unwrap_or(".".as_ref()), resume, shard: Shard::WHOLE };
-            on_threads(threads, || Found::of(&plan, &run, &options, watched))
-        })?;
+    // Without a sender from the end of the work on.
+    let (working, ended) = mpsc::channel::<()>();
+    let found = background::run_watched(py, progress, Arc::new(Study::default()), move |watched| {
+        let _working = working;
+        let folder = own.as_ref().map(tempfile::TempDir::path).or(out.as_deref());
+        let folder = folder.unwrap_or(".".as_ref());
+        let run = RunOptions { folder, resume, shard: Shard::WHOLE };
+        on_threads(threads, || Found::of(&plan, &run, &options, watched))
+    });
+    if found.is_err() {
+        // The folder is left alone before the caller has it again.
+        let _ = py.detach(move || ended.recv());
+    }
+    let found = found?;
     let found = found.ok_or_else(|| exception::no_threads(threads))?;
     let found = found.map_err(|error| exception::of_design(py, &error))?;
     let dict = PyDict::new(py);
