@@ -237,12 +237,8 @@ impl Shifted<'_> {
                 }
             }
         }
-        for a in 0..count {
-            for b in 0..a {
-                let mean = 0.5 * (rows[a][b] + rows[b][a]);
-                (rows[a][b], rows[b][a]) = (mean, mean);
-            }
-        }
-        ResidualFlexibility::from_rows(&rows)
+        let mean = |a: usize, b: usize| 0.5 * (rows[a][b] + rows[b][a]);
+        let row = |a: usize| (0..count).map(|b| mean(a, b)).collect();
+        ResidualFlexibility::from_rows(&(0..count).map(row).collect::<Vec<Vec<f64>>>())
     }
 }

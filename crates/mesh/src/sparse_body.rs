@@ -141,15 +141,10 @@ pub(crate) fn entries(
 fn times(lower: SparseColMatRef<'_, usize, f64>, vectors: MatRef<'_, f64>) -> Mat<f64> {
     let mut product = Mat::zeros(vectors.nrows(), vectors.ncols());
     for k in 0..vectors.ncols() {
-        let (Some(from), Some(into)) = (
-            vectors.col(k).try_as_col_major().map(|column| column.as_slice()),
-            product.col_mut(k).try_as_col_major_mut().map(|column| column.as_slice_mut()),
-        ) else {
-            continue;
-        };
-        for column in 0..from.len() {
+        let from: Vec<f64> = vectors.col(k).iter().copied().collect();
+        let mut into = vec![0.0; from.len()];
+        for (column, &at) in from.iter().enumerate() {
             let mut sum = 0.0;
-            let at = from[column];
             for (row, value) in entries(lower, column) {
                 if row != column {
                     sum += value * from[row];
@@ -157,6 +152,9 @@ fn times(lower: SparseColMatRef<'_, usize, f64>, vectors: MatRef<'_, f64>) -> Ma
                 into[row] += value * at;
             }
             into[column] += sum;
+        }
+        for (row, value) in into.into_iter().enumerate() {
+            product[(row, k)] = value;
         }
     }
     product

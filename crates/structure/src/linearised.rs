@@ -42,10 +42,7 @@ struct Linearised<'a> {
 }
 
 impl<'a> Linearised<'a> {
-    fn new(
-        modes: &'a ComponentModes,
-        contacts: &[PreloadedContact],
-    ) -> Result<Self, StructureError> {
+    fn new(modes: &'a ComponentModes, contacts: &[PreloadedContact]) -> Self {
         let (massless, inert): (Vec<_>, Vec<_>) =
             modes.modes().iter().partition(|mode| mode.massless);
         let mut residual = modes.residual().clone();
@@ -67,7 +64,7 @@ impl<'a> Linearised<'a> {
             let own = if a == b { inert[a].angular_frequency.powi(2) } else { 0.0 };
             own + 0.5 * (coupled[(a, b)] + coupled[(b, a)])
         });
-        Ok(Self { inert, massless, residual, closed, pairs, springs, forces, stiffness })
+        Self { inert, massless, residual, closed, pairs, springs, forces, stiffness }
     }
 
     fn failed(&self) -> StructureError {
@@ -81,7 +78,7 @@ pub(crate) fn lowest_frequency(
     contacts: &[PreloadedContact],
 ) -> Result<f64, StructureError> {
     check_springs(contacts)?;
-    let equations = Linearised::new(modes, contacts)?;
+    let equations = Linearised::new(modes, contacts);
     let squares = equations.stiffness.self_adjoint_eigenvalues(Side::Lower);
     let squares = squares.map_err(|_| equations.failed())?;
     let largest = squares.iter().copied().fold(0.0, f64::max);
@@ -103,7 +100,7 @@ impl PreloadedStructure<ComponentModes> {
     /// [`StructureError::Eigenvalues`] if an eigenvalue computation does not converge.
     pub fn port_modes(&self, count: usize) -> Result<Vec<PortMode>, StructureError> {
         let modes = self.component_modes();
-        let equations = Linearised::new(modes, self.contacts())?;
+        let equations = Linearised::new(modes, self.contacts());
         let Linearised { inert, massless, residual, closed, pairs, springs, forces, stiffness } =
             &equations;
         let found = stiffness.self_adjoint_eigen(Side::Lower).map_err(|_| equations.failed())?;

@@ -15,7 +15,7 @@ use crate::args::analyse::RecordFormat;
 use crate::args::figures::MagnitudeAxis;
 use crate::failure::Failure;
 
-/// Pressure of a cell over the largest at rest above which the cell is written as open in a map.
+/// Number of cells with the highest pressures that are named.
 const NAMED_CELLS: usize = 3;
 
 fn checked(document: &Document) -> Result<StructureScenario, Failure> {

@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 use asperity_law::ContactLaw;
 use asperity_mesh::{ComponentModes, PortPair};
-use asperity_structure::{LoadCase, PreloadedStructure};
+use asperity_structure::{LoadCase, PreloadedContact, PreloadedStructure};
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 
@@ -95,8 +95,7 @@ impl ManyContacts {
     /// # Errors
     /// [`DynamicsError::Setting`] for more than [`MOST_CONTACTS`] contacts;
     /// [`DynamicsError::Mesh`] for a port that does not exist; [`DynamicsError::Dissipative`] for contacts with
-    /// damping or friction; [`DynamicsError::ModalDamping`] for ratios of modes;
-    /// [`DynamicsError::Law`] for a law that cannot be tabulated.
+    /// damping or friction; [`DynamicsError::ModalDamping`] for ratios of modes.
     pub fn new(
         structure: Arc<PreloadedStructure<ComponentModes>>,
         load: usize,
@@ -116,11 +115,11 @@ impl ManyContacts {
             });
         }
         let damped = structure.contacts().iter().find(|contact| contact.damping().is_some());
-        let dissipative = damped.map(|contact| contact.name()).or(structure.friction());
+        let dissipative = damped.map(PreloadedContact::name).or(structure.friction());
         if let Some(element) = dissipative {
             return Err(DynamicsError::Dissipative { element: element.to_owned() });
         }
-        let forces = ContactForces::new(structure.contacts())?;
+        let forces = ContactForces::new(structure.contacts());
         let groups = (0..count).map(|contact| contact..contact + 1).collect();
         Ok(Self { structure, load, sensors, forces, groups })
     }
@@ -337,7 +336,7 @@ impl<'a> Run<'a> {
         let mean = |group: &Range<usize>| {
             let cells = &contacts[group.clone()];
             let force: f64 = cells.iter().map(|one| one.area() * one.pressure()).sum();
-            resting(force / cells.iter().map(|one| one.area()).sum::<f64>())
+            resting(force / cells.iter().map(PreloadedContact::area).sum::<f64>())
         };
         let group_extremes = system.groups.iter().map(mean).collect();
         let closed = contacts.iter().filter(|contact| contact.stiffness() > 0.0);
@@ -355,7 +354,7 @@ impl<'a> Run<'a> {
             closures: vec![0.0; n],
             before: vec![0.0; n],
             forces: vec![0.0; n],
-            stiffness: contacts.iter().map(|contact| contact.spring()).collect(),
+            stiffness: contacts.iter().map(PreloadedContact::spring).collect(),
             modes,
             residual,
             flexibility,
@@ -469,7 +468,9 @@ impl<'a> Run<'a> {
             if size > 2.0 * merit
                 && let Some((from, step)) = &mut last
             {
-                step.iter_mut().for_each(|value| *value *= 0.5);
+                for value in step.iter_mut() {
+                    *value *= 0.5;
+                }
                 x = from.iter().zip(&*step).map(|(a, b)| a + b).collect();
                 continue;
             }

@@ -114,8 +114,11 @@ impl Dissection<'_> {
         let upper = part.split_off(middle);
         self.stamp += 2;
         let (below, above) = (self.stamp, self.stamp + 1);
-        part.iter().for_each(|&point| self.side[point] = below);
-        upper.iter().for_each(|&point| self.side[point] = above);
+        for (half, side) in [(&part, below), (&upper, above)] {
+            for &point in half {
+                self.side[point] = side;
+            }
+        }
         let next_to = |point: usize, side: u32| {
             self.points.neighbours[point].iter().any(|&other| self.side[other] == side)
         };

@@ -1,12 +1,13 @@
 //! The sparse factorisation of a shifted stiffness matrix, behind which its crate is hidden.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::perm::Perm;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
-use faer::{Conj, Mat, Par, Side};
+use faer::{Conj, Mat, Par, Side, Spec};
 
 use super::dissection;
 use crate::{MeshError, SparseBody};
@@ -51,17 +52,17 @@ impl Factor {
             .try_reserve_exact(symbolic.len_val())
             .map_err(|_| fault("too large for the memory"))?;
         values.resize(symbolic.len_val(), 0.0);
-        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
         let mut buffer =
             MemBuffer::try_new(scratch).map_err(|_| fault("too large for the memory"))?;
         let factorised = symbolic.factorize_numeric_llt(
             &mut values,
             matrix.as_ref(),
             Side::Lower,
-            Default::default(),
+            LltRegularization::default(),
             Par::Seq,
             MemStack::new(&mut buffer),
-            Default::default(),
+            Spec::default(),
         );
         match factorised.map(|_| ()) {
             Ok(()) => Ok(Self { symbolic, values }),

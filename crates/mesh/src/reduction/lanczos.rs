@@ -110,7 +110,7 @@ pub(super) fn lowest(
     krylov.take_off(&mut block);
     (block, _) = krylov.orthonormal(&block, &lengths, BLOCK.min(most));
     while block.ncols() > 0 {
-        let (next, couplings) = krylov.extend(block);
+        let (next, couplings) = krylov.extend(&block);
         let found = krylov.ritz(shift)?;
         block = next;
         if krylov.count < elastic || !found.is_converged(elastic, &couplings) {
@@ -192,13 +192,13 @@ impl<'a> Krylov<'a> {
     /// Fills the basis from a first block.
     fn iterate(&mut self, mut block: Mat<f64>) {
         while block.ncols() > 0 {
-            (block, _) = self.extend(block);
+            (block, _) = self.extend(&block);
         }
     }
 
     /// Takes `block`, orthonormal and orthogonal to the basis, into the basis. The next block, and its
     /// couplings to this one, by which the basis is no invariant space.
-    fn extend(&mut self, block: Mat<f64>) -> (Mat<f64>, Mat<f64>) {
+    fn extend(&mut self, block: &Mat<f64>) -> (Mat<f64>, Mat<f64>) {
         let (from, added) = (self.count, block.ncols());
         let size = self.body.size();
         self.basis.resize_with(size, from + added, |row, column| block[(row, column - from)]);

@@ -4,7 +4,6 @@
 //! of two thirds of the modes shows the error by the modes left out, whose flexibility is kept and
 //! whose inertia is not.
 
-use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -62,7 +61,7 @@ pub struct CellSummary {
     pub pressure_pa: f64,
     /// Distance from first contact at rest \[m\]; zero for a closed cell.
     pub gap_m: f64,
-    /// Lowest and highest pressure \[Pa\].
+    /// Lowest pressure \[Pa\].
     pub pressure_min_pa: f64,
     /// Highest pressure \[Pa\].
     pub pressure_max_pa: f64,
@@ -196,14 +195,18 @@ fn refined(
     let samples = assembly.sampling.samples() as f64;
     let contacts = assembly.structure.structure.contacts().len() as f64;
     let mut last: Option<Response> = None;
-    for halvings in 0..=MOST_HALVINGS {
+    let mut halvings = 0;
+    loop {
         let parts = first << halvings;
         let may_halve =
             halvings < MOST_HALVINGS && 2.0 * samples * parts as f64 * contacts <= MOST_WORK;
         let found = match respond(assembly, system, parts) {
             Err(SimulationError::Dynamics(
                 DynamicsError::Coarse { .. } | DynamicsError::Unstable { .. },
-            )) if may_halve => continue,
+            )) if may_halve => {
+                halvings += 1;
+                continue;
+            }
             found => found?,
         };
         progress(0.3 + 0.6 * f64::from(halvings + 1) / f64::from(MOST_HALVINGS + 1));
@@ -227,9 +230,8 @@ fn refined(
             return Ok(Refined { transient, cells, observables, truncation });
         }
         last = Some(found);
+        halvings += 1;
     }
-    // The last halving always returns.
-    Err(SimulationError::NoSensor)
 }
 
 /// Errors by the modes left out: the response of two thirds of them differs by more.
@@ -253,11 +255,4 @@ fn truncation(
     let system = system(assembly, Arc::new(fewer))?;
     let (_, _, other) = respond(assembly, &system, parts)?;
     Ok(ErrorEstimate::new(found.2.all(), other.all(), 1.0, assembly.accuracy))
-}
-
-/// Highest frequency \[Hz\] of the modes whose inertia is kept.
-pub fn highest_frequency(structure: &PatchStructure) -> f64 {
-    let modes = structure.structure.component_modes().modes().iter();
-    let inert = modes.filter(|mode| !mode.massless).map(|mode| mode.angular_frequency);
-    inert.fold(0.0, f64::max) / TAU
 }

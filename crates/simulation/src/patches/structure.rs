@@ -113,19 +113,18 @@ pub fn assemble_patches(
     }
     let time = internal.retardation_time().unwrap_or(0.0);
     let key = ReductionKey::new(folder, scenario)?;
-    let (ports, reduced) = match kept_reduction::find(folder, &key) {
+    let (ports, reduced) = if let Some(found) = kept_reduction::find(folder, &key) {
         // What was reduced was checked.
-        Some(found) => (Ports::new(scenario, folder, Vec::new())?, found),
-        None => {
-            let bodies = info_span!("read matrices").in_scope(|| {
-                let read = |body| Body::read(body, folder);
-                scenario.bodies.iter().map(read).collect::<Result<Vec<_>, _>>()
-            })?;
-            let ports = Ports::new(scenario, folder, bodies)?;
-            let made = info_span!("reduce").in_scope(|| reduced_bodies(scenario, &ports))?;
-            kept_reduction::keep(folder, &key, &made);
-            (ports, made)
-        }
+        (Ports::new(scenario, folder, Vec::new())?, found)
+    } else {
+        let bodies = info_span!("read matrices").in_scope(|| {
+            let read = |body| Body::read(body, folder);
+            scenario.bodies.iter().map(read).collect::<Result<Vec<_>, _>>()
+        })?;
+        let ports = Ports::new(scenario, folder, bodies)?;
+        let made = info_span!("reduce").in_scope(|| reduced_bodies(scenario, &ports))?;
+        kept_reduction::keep(folder, &key, &made);
+        (ports, made)
     };
     let count = ports.patterns.len();
     let own: Vec<Vec<usize>> = (0..scenario.bodies.len()).map(|body| ports.of(body)).collect();

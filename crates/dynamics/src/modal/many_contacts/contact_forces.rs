@@ -6,7 +6,6 @@ use asperity_law::{CompiledLaw, ContactLaw};
 use asperity_structure::PreloadedContact;
 
 use super::distinct;
-use crate::DynamicsError;
 
 /// Largest static pressures that a table reaches up to; beyond it the law itself is evaluated.
 const TOP: f64 = 8.0;
@@ -33,12 +32,13 @@ struct OneContact {
 }
 
 impl ContactForces {
-    pub(super) fn new(contacts: &[PreloadedContact]) -> Result<Self, DynamicsError> {
+    pub(super) fn new(contacts: &[PreloadedContact]) -> Self {
         let (numbers, laws) = distinct(contacts.iter().map(|contact| Arc::clone(contact.law())));
         let top = |number: usize| {
             let own = contacts.iter().zip(&numbers).filter(|(_, other)| **other == number);
             TOP * own.map(|(contact, _)| contact.pressure()).fold(0.0, f64::max)
         };
+        // A law that cannot be tabulated is evaluated itself.
         let mut tables = Vec::with_capacity(laws.len());
         for (number, law) in laws.iter().enumerate() {
             let top = top(number);
@@ -62,7 +62,7 @@ impl ContactForces {
             }
         };
         let contacts = contacts.iter().zip(&numbers).map(one).collect();
-        Ok(Self { contacts, tables })
+        Self { contacts, tables }
     }
 
     /// Lowest pressure of a contact \[Pa\].
