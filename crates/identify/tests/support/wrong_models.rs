@@ -53,7 +53,7 @@ impl Rig {
         let least = uniform(0.15, 0.3) * 9.81 * mass;
         let most = uniform(0.6, 1.1) * 9.81 * mass;
         let contact_s = 2.0 * uniform(0.006, 0.015) / omega;
-        let friction = 10.0_f64.powf(uniform(-2.6, -1.8));
+        let friction = 10.0_f64.powf(uniform(-3.0, -2.3));
         let support = uniform(5.0, 20.0) * mass * omega.powi(2);
         let base = uniform(0.5, 2.0);
         let (length, sample) = (uniform(0.08, 0.23), uniform(0.008, 0.02));
