@@ -94,7 +94,7 @@ fn execute(args: &Args) -> Result<(), Failure> {
         Command::Modes { input, output, count } => command::modes::run(input, output, *count),
         Command::Check { input, json } => command::check::run(input, *json),
         Command::Schema { identify, rig, study, matrices } => {
-            command::schema::run(*identify, *rig, *study, *matrices)
+            command::schema::run([*identify, *rig, *study, *matrices])
         }
         Command::Study(asked) => command::study::run(asked, args.quiet),
         Command::Identify { problem, fast, output, threads } => {

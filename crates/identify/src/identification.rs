@@ -143,7 +143,6 @@ pub fn identify_with_progress(
     let started = Instant::now();
     let problem = &problem.with_pressures()?;
     let BuiltModel { mut forward, about, mut notices } = problem.model()?;
-    let law_name = problem.law()?;
     let files = problem.input_files()?;
     let spec = &problem.spec;
     // Errors of the request come before any computation.
@@ -152,7 +151,7 @@ pub fn identify_with_progress(
     let planned = DesignModel::asked(problem, &forward)?;
 
     let work = Arc::clone(&problem.work);
-    let unfinished = Unfinished::begin(problem, &forward, &law_name, started);
+    let unfinished = Unfinished::begin(problem, &forward, &problem.law()?, started);
     let own = own_fit(problem, &mut forward, &unfinished, progress)?;
     let given = Fit::resumed(&forward, own.clone(), progress)?;
     let goodness = given.goodness();

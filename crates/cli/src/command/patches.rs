@@ -39,7 +39,7 @@ pub(super) fn simulate(
     let folder = ResultFolder::claim("simulate", document.path(), output)?;
     let found = with_percents(quiet, |progress| simulate_patches(document, &scenario, progress))?;
     write_run(&folder, &found.run, record, magnitude)?;
-    folder.write("cells.csv", cells_csv(&found.run.assembly.structure, &found.cells))?;
+    folder.write("cells.csv", found.cells_csv())?;
     let summary = &found.run.summary;
     let mut answer = json!(summary);
     answer["cells"] = cells_json(&found.run.assembly.structure, &found.cells);
@@ -55,29 +55,6 @@ pub(super) fn simulate(
         answer_line!("written to {}", folder.display());
     }
     Ok(())
-}
-
-/// `cells.csv`: a row for each cell.
-fn cells_csv(structure: &PatchStructure, cells: &[Vec<CellSummary>]) -> String {
-    let mut text = String::from(
-        "interface,cell,area_m2,pressure_at_rest_pa,gap_at_rest_m,pressure_min_pa,pressure_max_pa,contact_lost_s\n",
-    );
-    for (patch, cells) in structure.patches.iter().zip(cells) {
-        for one in cells {
-            text.push_str(&format!(
-                "{},{},{:e},{:e},{:e},{:e},{:e},{:e}\n",
-                patch.name,
-                one.cell,
-                one.area_m2,
-                one.pressure_pa,
-                one.gap_m,
-                one.pressure_min_pa,
-                one.pressure_max_pa,
-                one.contact_lost_s
-            ));
-        }
-    }
-    text
 }
 
 /// Numbers of the cells of each interface.
@@ -97,7 +74,7 @@ fn cells_json(structure: &PatchStructure, cells: &[Vec<CellSummary>]) -> serde_j
 }
 
 fn cells_in_words(summary: &Summary, cells: &[Vec<CellSummary>]) -> String {
-    let mut text = String::new();
+    let mut lines = Vec::new();
     for (interface, cells) in summary.interfaces.iter().zip(cells) {
         let open = cells.iter().filter(|one| one.gap_m > 0.0).count();
         let lost = cells.iter().filter(|one| one.contact_lost_s > 0.0).count();
@@ -108,14 +85,14 @@ fn cells_in_words(summary: &Summary, cells: &[Vec<CellSummary>]) -> String {
             .take(NAMED_CELLS)
             .map(|one| format!("{} {:.4} MPa", one.cell, 1e-6 * one.pressure_max_pa))
             .collect();
-        text.push_str(&format!(
+        lines.push(format!(
             "{:<26}{} cells, {open} open at rest, {lost} without contact for a time; highest: {}\n",
             interface.name,
             cells.len(),
             named.join(", ")
         ));
     }
-    text
+    lines.concat()
 }
 
 /// Computes natural frequencies, damping ratios and participations about static equilibrium.

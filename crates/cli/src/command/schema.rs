@@ -7,14 +7,15 @@ use asperity_study::study_schema;
 use crate::failure::Failure;
 use crate::rig::rig_schema;
 
-/// Prints the JSON Schema of the scenario, of a problem, of a study file, of the settings of a rig, or of a structure of matrices.
+/// Prints the JSON Schema of the scenario, or of what is `asked` for: a problem, the settings of a rig, a study
+/// file, a structure of matrices.
 #[allow(clippy::unnecessary_wraps, reason = "every subcommand has the same signature")]
-pub(crate) fn run(identify: bool, rig: bool, study: bool, matrices: bool) -> Result<(), Failure> {
-    let schema = match (identify, rig, study, matrices) {
-        (true, ..) => problem_schema(),
-        (_, true, ..) => rig_schema(),
-        (_, _, true, _) => study_schema(),
-        (.., true) => structure_schema(),
+pub(crate) fn run(asked: [bool; 4]) -> Result<(), Failure> {
+    let schema = match asked {
+        [true, ..] => problem_schema(),
+        [_, true, ..] => rig_schema(),
+        [_, _, true, _] => study_schema(),
+        [.., true] => structure_schema(),
         _ => scenario_schema(),
     };
     answer!("{}", super::pretty(schema));

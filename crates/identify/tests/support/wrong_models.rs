@@ -36,6 +36,7 @@ pub struct Rig {
 
 impl Rig {
     /// The rig of a number, with random bodies, law, damping, forces and sensors.
+    #[allow(clippy::too_many_lines, reason = "one list of drawn numbers")]
     pub fn new(seed: u64, number: usize) -> Self {
         let kind = KINDS[number % KINDS.len()];
         let law = LAWS[number / KINDS.len() % LAWS.len()];
@@ -143,12 +144,12 @@ impl Rig {
             "fundamental.damping_ratio": {"relative": ratio},
             "harmonic_ratio": {"relative": ratio},
         });
-        for place in HITS..HITS + RECEPTANCES {
+        for (place, peak) in peaks.iter().enumerate().skip(HITS).take(RECEPTANCES) {
             sensors.seed += 1000;
             let (band, table, deviation) = truth.receptance(place, &sensors, LINES);
             data.as_array_mut().unwrap().push(json!({
                 "kind": "frf", "name": format!("receptance {}", place + 1 - HITS), "file": table,
-                "band_hz": band, "hit": {"force_peak_n": sensors.force_gain * peaks[place]},
+                "band_hz": band, "hit": {"force_peak_n": sensors.force_gain * peak},
                 "spread": {"relative": receptance, "absolute": deviation},
             }));
         }

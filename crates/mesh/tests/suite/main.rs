@@ -4,3 +4,4 @@
 mod component_modes;
 mod grid_matrices;
 mod linear_structure;
+mod reduction;

@@ -10,6 +10,7 @@ use std::time::Instant;
 use asperity_dynamics::{ContactExtremes, DynamicsError, ManyContacts, Transient};
 use asperity_scenario::{Document, StructureScenario};
 use asperity_structure::{PreloadedContact, PreloadedStructure};
+use asperity_table::CsvWriter;
 use serde::Serialize;
 use tracing::info_span;
 
@@ -48,6 +49,37 @@ pub struct PatchRun {
     pub cells: Vec<Vec<CellSummary>>,
     /// Relative errors by the modes left out, at most.
     pub truncation: f64,
+}
+
+impl PatchRun {
+    /// `cells.csv`: a row for each cell.
+    pub fn cells_csv(&self) -> String {
+        let mut csv = CsvWriter::with_header([
+            "interface",
+            "cell",
+            "area_m2",
+            "pressure_at_rest_pa",
+            "gap_at_rest_m",
+            "pressure_min_pa",
+            "pressure_max_pa",
+            "contact_lost_s",
+        ]);
+        for (patch, cells) in self.run.assembly.structure.patches.iter().zip(&self.cells) {
+            for one in cells {
+                csv.text(&patch.name).text(&one.cell);
+                csv.numbers([
+                    one.area_m2,
+                    one.pressure_pa,
+                    one.gap_m,
+                    one.pressure_min_pa,
+                    one.pressure_max_pa,
+                    one.contact_lost_s,
+                ]);
+                csv.end_row();
+            }
+        }
+        csv.into_string()
+    }
 }
 
 /// A cell at rest and over the run.

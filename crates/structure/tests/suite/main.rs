@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod equilibrium;
+mod finite_elements;
 #[path = "../../../mesh/tests/suite/linear_structure.rs"]
 mod linear_structure;
 mod modes;

@@ -95,7 +95,8 @@ fn two_blocks_rest_and_vibrate_as_by_the_reference() {
             assert_close(contact.pressure(), 1e3 * kilopascal, 1e-5);
         }
         let found = structure.port_modes(6).unwrap();
-        let frequencies = [3429.41661, 3642.38494, 4383.65610, 12060.5388, 17288.4109, 21862.5587];
+        let frequencies =
+            [3429.41661, 3642.38494, 4383.65610, 12_060.5388, 17_288.4109, 21_862.5587];
         let ratios = [0.001_410_9, 0.001_336_3, 0.001_120_7, 0.015_550_8, 0.021_999_1, 0.027_690_1];
         for (mode, (frequency, ratio)) in found.iter().zip(frequencies.into_iter().zip(ratios)) {
             assert_close(mode.frequency_hz, frequency, tolerance);
@@ -110,7 +111,7 @@ fn internal_rows_are_no_displacements() {
     let Some(folder) = data("two_blocks") else { return };
     let structure = two_blocks(&folder, "two_blocks_c3d8i", 60);
     let found = structure.port_modes(6).unwrap();
-    let frequencies = [3427.44038, 3640.00206, 4379.20902, 11247.6467, 16039.6482, 20241.4462];
+    let frequencies = [3427.44038, 3640.00206, 4379.20902, 11_247.6467, 16_039.6482, 20_241.4462];
     for (mode, frequency) in found.iter().zip(frequencies) {
         assert_close(mode.frequency_hz, frequency, 1e-6);
     }
