@@ -104,7 +104,8 @@ fn two_blocks_move_as_by_the_reference() {
         r#"{"format": "matlab", "stiffness": "two_blocks.mat"}"#,
         r#"{"format": "matlab", "stiffness": "two_blocks_permuted.mat"}"#,
     ];
-    let expected = [3429.41661, 3642.38494, 4383.65610, 12_060.5388, 17_288.4109, 21_862.5587];
+    let expected =
+        [3_429.416_61, 3_642.384_94, 4_383.656_10, 12_060.538_8, 17_288.410_9, 21_862.558_7];
     for format in formats {
         let mut document = Document::read(&path).unwrap();
         document.set("/bodies/0/matrices", format).unwrap();
