@@ -2,6 +2,7 @@
 //! coordinates.
 //!
 //! The references are not part of this repository; without them their test is skipped by name.
+#![allow(clippy::print_stderr, reason = "a test without its data says that it was skipped")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use std::fmt::Write as _;
@@ -52,7 +53,7 @@ fn largest(samples: &[f64]) -> f64 {
 fn two_blocks_move_as_by_the_reference() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fe/two_blocks");
     if !data.is_dir() {
-        eprintln!("skipped: no data of two_blocks");
+        eprintln!("skipped two_blocks_move_as_by_the_reference: no data");
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -124,7 +125,7 @@ fn two_blocks_move_as_by_the_reference() {
 fn two_blocks_vibrate_steadily_as_by_the_reference() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fe/two_blocks");
     if !data.is_dir() {
-        eprintln!("skipped: no data of two_blocks");
+        eprintln!("skipped two_blocks_vibrate_steadily_as_by_the_reference: no data");
         return;
     }
     let folder = tempfile::tempdir().unwrap();

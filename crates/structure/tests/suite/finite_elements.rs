@@ -11,11 +11,11 @@ use asperity_mesh::{ComponentModes, PortPair, PortPattern, ReducedBody, SparseBo
 use asperity_structure::{Damping, PreloadedStructure, UnloadedContact, contacts_at_rest};
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 
-fn data(problem: &str) -> Option<PathBuf> {
+fn data(problem: &str, test: &str) -> Option<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fe").join(problem);
     let found = root.is_dir();
     if !found {
-        eprintln!("skipped: no data of {problem}");
+        eprintln!("skipped {test}: no data of {problem}");
     }
     found.then_some(root)
 }
@@ -81,7 +81,9 @@ fn assert_close(own: f64, expected: f64, tolerance: f64) {
 
 #[test]
 fn two_blocks_rest_and_vibrate_as_by_the_reference() {
-    let Some(folder) = data("two_blocks") else { return };
+    let Some(folder) = data("two_blocks", "two_blocks_rest_and_vibrate_as_by_the_reference") else {
+        return;
+    };
     // The inertia of the modes left out is neglected.
     for (modes, tolerance) in [(20, 2e-6), (60, 1e-6), (492, 2e-9)] {
         let structure = two_blocks(&folder, "two_blocks", modes);
@@ -108,7 +110,7 @@ fn two_blocks_rest_and_vibrate_as_by_the_reference() {
 /// Rows of incompatible modes are kept as rows without weight.
 #[test]
 fn internal_rows_are_no_displacements() {
-    let Some(folder) = data("two_blocks") else { return };
+    let Some(folder) = data("two_blocks", "internal_rows_are_no_displacements") else { return };
     let structure = two_blocks(&folder, "two_blocks_c3d8i", 60);
     let found = structure.port_modes(6).unwrap();
     let frequencies =
@@ -121,7 +123,11 @@ fn internal_rows_are_no_displacements() {
 /// A lap joint of two beams, bolted: free, with open cells and bolts that pull on both.
 #[test]
 fn the_reduced_beam_rests_and_vibrates_as_by_the_reference() {
-    let Some(folder) = data("brake_reuss") else { return };
+    let Some(folder) =
+        data("brake_reuss", "the_reduced_beam_rests_and_vibrates_as_by_the_reference")
+    else {
+        return;
+    };
     let model = asperity_matrices::read_reduced(&folder.join("brake_reuss_reduced.mat")).unwrap();
     let dense = |matrix: &asperity_matrices::DenseMatrix| {
         faer::Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| matrix.get(i, j))
