@@ -90,7 +90,7 @@ pub struct Identification {
     pub latent: Vec<bool>,
     /// Numbers of the scenario that the law depends on and that no parameter changes.
     pub given: Vec<GivenNumber>,
-    /// What the assumption of a rigid support means for the law; none without it.
+    /// Consequences of a rigid support for the law; none without the assumption.
     pub rigid_support: Option<RigidSupport>,
     /// The reason why there are no draws from the posterior but the best fit.
     pub unsampled: Option<String>,

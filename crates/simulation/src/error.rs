@@ -62,7 +62,7 @@ pub enum SimulationError {
         place: String,
         /// The problem.
         problem: String,
-        /// What is accepted.
+        /// The values accepted.
         accepted: String,
     },
     /// A contact law cannot be built for the pressure it has to carry.

@@ -12,11 +12,10 @@ const MOST_LINES: usize = 600;
 const FEWEST_LINES: usize = 40;
 
 /// Shorter files, each with its reason.
-const SHORT: [(&str, &str); 12] = [
+const SHORT: [(&str, &str); 11] = [
     ("crates/asperity/src/prelude.rs", "a list of names"),
     ("crates/cli/src/command/completions.rs", "one command a file"),
     ("crates/cli/src/command/man.rs", "one command a file"),
-    ("crates/cli/src/command/modes.rs", "one command a file"),
     ("crates/cli/src/command/schema.rs", "one command a file"),
     ("crates/plot/src/frf_file.rs", "one figure a file"),
     ("crates/dynamics/src/finite_difference/ledger.rs", "energy of the grid"),

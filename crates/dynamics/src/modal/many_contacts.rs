@@ -13,13 +13,12 @@
 //! change little. Contacts may be open at rest, and there may be hundreds.
 
 mod contact_forces;
+mod run_parts;
 
-use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use asperity_law::ContactLaw;
-use asperity_mesh::{ComponentModes, PortPair};
+use asperity_mesh::ComponentModes;
 use asperity_structure::{LoadCase, PreloadedContact, PreloadedStructure};
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
@@ -29,6 +28,7 @@ use crate::contact_energy::excess;
 use crate::error::{balanced, check_modal_damping};
 use crate::{ContactExtremes, DynamicsError, EnergyLedger, History, Sampling, Transient};
 use contact_forces::ContactForces;
+use run_parts::{Extremes, Residual};
 
 /// Most contacts.
 pub const MOST_CONTACTS: usize = 1000;
@@ -187,26 +187,6 @@ impl ManyContacts {
     }
 }
 
-/// Extremes of a contact so far.
-#[derive(Debug, Clone, Copy)]
-struct Extremes {
-    pressure_min: f64,
-    pressure_max: f64,
-    lost: f64,
-    stiffness_sum: f64,
-}
-
-impl Extremes {
-    fn finished(&self, steps: usize) -> ContactExtremes {
-        ContactExtremes {
-            pressure_min: self.pressure_min,
-            pressure_max: self.pressure_max,
-            lost: self.lost,
-            stiffness_average: self.stiffness_sum / steps.max(1) as f64,
-        }
-    }
-}
-
 /// A mode and its step.
 struct SteppedMode {
     closures: Vec<f64>,
@@ -254,34 +234,6 @@ struct KeptFactor {
     factor: Llt<f64>,
 }
 
-/// Flexibility of the modes left out.
-struct Residual {
-    closures: Mat<f64>,
-    load: Vec<f64>,
-    sensors: Vec<Vec<f64>>,
-    sensors_load: Vec<f64>,
-    own: f64,
-}
-
-impl Residual {
-    fn new(modes: &ComponentModes, load: usize, sensors: &[usize]) -> Self {
-        let (pairs, residual) = (modes.contacts(), modes.residual());
-        let of = |port: usize| {
-            let ground = PortPair::on_ground(port);
-            pairs.iter().map(|&pair| residual.closure(ground, pair)).collect::<Vec<f64>>()
-        };
-        Self {
-            closures: Mat::from_fn(pairs.len(), pairs.len(), |i, j| {
-                residual.closure(pairs[i], pairs[j])
-            }),
-            load: of(load),
-            sensors: sensors.iter().map(|&sensor| of(sensor)).collect(),
-            sensors_load: sensors.iter().map(|&sensor| residual.get(sensor, load)).collect(),
-            own: residual.get(load, load),
-        }
-    }
-}
-
 impl<'a> Run<'a> {
     fn new(system: &'a ManyContacts, load: &'a LoadCase, step: f64) -> Self {
         let structure = &*system.structure;
@@ -326,17 +278,11 @@ impl<'a> Run<'a> {
             }
         }
         let contacts = structure.contacts();
-        let resting = |pressure: f64| Extremes {
-            pressure_min: pressure,
-            pressure_max: pressure,
-            lost: 0.0,
-            stiffness_sum: 0.0,
-        };
-        let extremes = contacts.iter().map(|contact| resting(contact.pressure())).collect();
+        let extremes = contacts.iter().map(|contact| Extremes::at(contact.pressure())).collect();
         let mean = |group: &Range<usize>| {
             let cells = &contacts[group.clone()];
             let force: f64 = cells.iter().map(|one| one.area() * one.pressure()).sum();
-            resting(force / cells.iter().map(PreloadedContact::area).sum::<f64>())
+            Extremes::at(force / cells.iter().map(PreloadedContact::area).sum::<f64>())
         };
         let group_extremes = system.groups.iter().map(mean).collect();
         let closed = contacts.iter().filter(|contact| contact.stiffness() > 0.0);
@@ -626,22 +572,4 @@ impl<'a> Run<'a> {
 
 fn column(values: &[f64]) -> faer::MatRef<'_, f64> {
     faer::MatRef::from_column_major_slice(values, values.len(), 1)
-}
-
-/// The number of each distinct law among some, and the laws.
-fn distinct(
-    laws: impl Iterator<Item = Arc<dyn ContactLaw>>,
-) -> (Vec<usize>, Vec<Arc<dyn ContactLaw>>) {
-    let mut numbers: HashMap<*const (), usize> = HashMap::new();
-    let mut kept: Vec<Arc<dyn ContactLaw>> = Vec::new();
-    let numbered = laws.map(|law| {
-        let next = kept.len();
-        let number = *numbers.entry(Arc::as_ptr(&law).cast::<()>()).or_insert(next);
-        if number == next {
-            kept.push(law);
-        }
-        number
-    });
-    let numbered = numbered.collect();
-    (numbered, kept)
 }

@@ -22,7 +22,7 @@ const MOST_KEPT: usize = 20;
 
 const MARK: &[u8; 8] = b"asprrd01";
 
-/// What the reductions of a structure depend on, as the name of a file.
+/// Name of the file of a reduction, from all that the reduction depends on.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReductionKey(String);
 

@@ -1,11 +1,10 @@
 //! Forces of many contacts, most of which share a law.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use asperity_law::{CompiledLaw, ContactLaw};
 use asperity_structure::PreloadedContact;
-
-use super::distinct;
 
 /// Largest static pressures that a table reaches up to; beyond it the law itself is evaluated.
 const TOP: f64 = 8.0;
@@ -107,4 +106,22 @@ fn exact(contact: &PreloadedContact, x: f64, area: f64) -> (f64, f64) {
     }
     let found = contact.law().pressure_increment(contact.pressure(), from_contact);
     (area * found.value, area * found.tangent)
+}
+
+/// The number of each distinct law among some, and the laws.
+fn distinct(
+    laws: impl Iterator<Item = Arc<dyn ContactLaw>>,
+) -> (Vec<usize>, Vec<Arc<dyn ContactLaw>>) {
+    let mut numbers: HashMap<*const (), usize> = HashMap::new();
+    let mut kept: Vec<Arc<dyn ContactLaw>> = Vec::new();
+    let numbered = laws.map(|law| {
+        let next = kept.len();
+        let number = *numbers.entry(Arc::as_ptr(&law).cast::<()>()).or_insert(next);
+        if number == next {
+            kept.push(law);
+        }
+        number
+    });
+    let numbered = numbered.collect();
+    (numbered, kept)
 }
