@@ -90,7 +90,7 @@ pub struct Identification {
     pub latent: Vec<bool>,
     /// Numbers of the scenario that the law depends on and that no parameter changes.
     pub given: Vec<GivenNumber>,
-    /// What the assumption of a rigid support means for the law; none without it.
+    /// The assumption of a rigid support and the law; none where the support is elastic.
     pub rigid_support: Option<RigidSupport>,
     /// The reason why there are no draws from the posterior but the best fit.
     pub unsampled: Option<String>,
@@ -143,9 +143,8 @@ pub fn identify_with_progress(
     let started = Instant::now();
     let problem = &problem.with_pressures()?;
     let BuiltModel { mut forward, about, mut notices } = problem.model()?;
-    let law_name = problem.law()?;
+    let (law_name, spec) = (problem.law()?, &problem.spec);
     let files = problem.input_files()?;
-    let spec = &problem.spec;
     // Errors of the request come before any computation.
     check_pressures("/pressures_pa", spec.pressures_pa)?;
     let candidates = candidates(problem)?;

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::laws;
 use crate::twin::{Noise, Sensors, Truth, data};
 
-/// What is wrong in the wrong model of a rig.
+/// Faults of the wrong models of rigs.
 pub const KINDS: [&str; 6] = ["damping", "pulse", "mass", "support", "friction", "sign"];
 
 /// Families of the true law.
