@@ -117,7 +117,7 @@ fn main() {
             }
         }
         [word, seed, twin] if word == "truth" => {
-            truth(seed.parse().unwrap(), twin.parse().unwrap())
+            truth(seed.parse().unwrap(), twin.parse().unwrap());
         }
         [table, seed, first, end] => {
             let number = |word: &String| word.parse::<usize>().unwrap();
