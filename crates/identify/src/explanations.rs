@@ -300,14 +300,13 @@ impl Unexplained<'_> {
             let (step, expected) = self.score(&slope, [0.0, LARGEST_LOSS])?;
             let (step, start) = self.in_place_of_body_damping(&slope, step)?;
             let size = loss.size * step;
-            let set = loss.values(step).map(|(pointer, value)| (pointer.clone(), value));
             let mut unknown = scalar(loss.pointer(0), [1e-3 * size, 1e3 * size], size);
             if let ParameterSpec::Scalar { also, .. } = &mut unknown {
                 also.extend((1..loss.places.len()).map(|place| loss.pointer(place)));
             }
             let candidate = CandidateSpec {
                 name: loss.cause.clone(),
-                set: set.collect(),
+                set: loss.values(step).collect(),
                 unknowns: vec![unknown],
             };
             let chi_square = self.fitted((&candidate, &start), progress);

@@ -90,7 +90,7 @@ pub struct Identification {
     pub latent: Vec<bool>,
     /// Numbers of the scenario that the law depends on and that no parameter changes.
     pub given: Vec<GivenNumber>,
-    /// Consequences of a rigid support for the law; none without the assumption.
+    /// The assumption of a rigid support and the law; none where the support is elastic.
     pub rigid_support: Option<RigidSupport>,
     /// The reason why there are no draws from the posterior but the best fit.
     pub unsampled: Option<String>,
@@ -143,15 +143,15 @@ pub fn identify_with_progress(
     let started = Instant::now();
     let problem = &problem.with_pressures()?;
     let BuiltModel { mut forward, about, mut notices } = problem.model()?;
+    let (law_name, spec) = (problem.law()?, &problem.spec);
     let files = problem.input_files()?;
-    let spec = &problem.spec;
     // Errors of the request come before any computation.
     check_pressures("/pressures_pa", spec.pressures_pa)?;
     let candidates = candidates(problem)?;
     let planned = DesignModel::asked(problem, &forward)?;
 
     let work = Arc::clone(&problem.work);
-    let unfinished = Unfinished::begin(problem, &forward, &problem.law()?, started);
+    let unfinished = Unfinished::begin(problem, &forward, &law_name, started);
     let own = own_fit(problem, &mut forward, &unfinished, progress)?;
     let given = Fit::resumed(&forward, own.clone(), progress)?;
     let goodness = given.goodness();

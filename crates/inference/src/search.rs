@@ -43,9 +43,9 @@ const MAX_DAMPING: f64 = 1e20;
 const UPDATED_RATIO: f64 = 0.25;
 /// Most updates before the derivatives are computed again.
 const MOST_UPDATES: usize = 12;
-/// Expected reduction of the cost of a rejected step from which the end of a search is no minimum: far below
-/// one, that of a parameter off by a standard deviation is 1/2.
-const LARGEST_REJECTED: f64 = 0.01;
+/// Expected reduction of the cost of a rejected step from which the end of a search is no minimum: that of a
+/// parameter off by a standard deviation. Errors of the predictions reject steps of less.
+const LARGEST_REJECTED: f64 = 0.5;
 /// Shortest step that updates the derivatives, over the step of difference derivatives: differences
 /// along shorter ones are of the order of the errors of the predictions.
 const LEAST_UPDATE: f64 = 0.5;

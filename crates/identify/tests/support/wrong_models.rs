@@ -36,7 +36,6 @@ pub struct Rig {
 
 impl Rig {
     /// The rig of a number, with random bodies, law, damping, forces and sensors.
-    #[allow(clippy::too_many_lines, reason = "one list of drawn numbers")]
     pub fn new(seed: u64, number: usize) -> Self {
         let kind = KINDS[number % KINDS.len()];
         let law = LAWS[number / KINDS.len() % LAWS.len()];
@@ -106,7 +105,7 @@ impl Rig {
         }
         let gains = if kind == "mass" { 0.0 } else { 0.03 };
         let mut gain = || (gains * noise.normal()).exp();
-        let mut sensors = Sensors {
+        let sensors = Sensors {
             signal_to_noise_db: 40.0,
             force_gain: gain(),
             response_gain: gain(),
@@ -118,41 +117,8 @@ impl Rig {
                 unknowns.push(json!({"kind": "gain", "channel": channel, "prior": prior}));
             }
         }
-        let peak = |i: usize, count: usize| least + (most - least) * i as f64 / (count - 1) as f64;
-        let mut peaks: Vec<f64> = (0..HITS).map(|i| peak(i, HITS)).collect();
-        peaks.extend((0..RECEPTANCES).map(|i| peak(i, RECEPTANCES)));
         let document = Document::parse(&rig.to_string(), "rig.json").unwrap();
-        let cell = format!("{}", sample / 24.0);
-        let mut truth = Truth::of(document, &peaks, &[("/method/cell_m", cell.as_str())]);
-        truth.near_hz = natural;
-        truth.with_damping = true;
-        let hits = truth.measured(&sensors);
-        // An analysis of the signed response shows the fundamental where the receptance has its lines.
-        let places: Vec<f64> = hits[..HITS]
-            .iter()
-            .filter_map(|hit| hit["features"]["fundamental.frequency_hz"]["value"].as_f64())
-            .collect();
-        truth.near_hz = places.iter().sum::<f64>() / places.len() as f64;
-        let mut data = data(&hits[..HITS]);
-        // Differences of the engines and of the analysis; those with friction are larger, since windows of the
-        // analysis meet the end of the slip.
-        let [frequency, receptance, ratio] =
-            if kind == "friction" { [2e-4, 1e-3, 1e-2] } else { [2e-5, 3e-4, 5e-4] };
-        data[0]["floor"] = json!({
-            "fundamental.frequency_hz": {"relative": frequency},
-            "fundamental.receptance_m_per_n": {"relative": receptance},
-            "fundamental.damping_ratio": {"relative": ratio},
-            "harmonic_ratio": {"relative": ratio},
-        });
-        for (place, peak) in peaks.iter().enumerate().skip(HITS).take(RECEPTANCES) {
-            sensors.seed += 1000;
-            let (band, table, deviation) = truth.receptance(place, &sensors, LINES);
-            data.as_array_mut().unwrap().push(json!({
-                "kind": "frf", "name": format!("receptance {}", place + 1 - HITS), "file": table,
-                "band_hz": band, "hit": {"force_peak_n": sensors.force_gain * peak},
-                "spread": {"relative": receptance, "absolute": deviation},
-            }));
-        }
+        let (mut truth, data) = measured(document, kind, [least, most], natural, sensors);
         let exact = std::mem::replace(&mut truth.scenario["laws"]["rough"], law_form);
         Self { kind, law, points, truth, exact, data, unknowns, noise }
     }
@@ -217,6 +183,54 @@ impl Rig {
         }
         problem(&rig, &unknowns, &data, 2)
     }
+}
+
+/// Hits of peaks in a range \[N\] on a rig near a natural frequency \[Hz\], and their data as measured: features of
+/// hits, and receptances of others.
+fn measured(
+    document: Document,
+    kind: &str,
+    [least, most]: [f64; 2],
+    natural: f64,
+    mut sensors: Sensors,
+) -> (Truth, Value) {
+    let peak = |i: usize, count: usize| least + (most - least) * i as f64 / (count - 1) as f64;
+    let of_receptances: Vec<f64> = (0..RECEPTANCES).map(|i| peak(i, RECEPTANCES)).collect();
+    let mut peaks: Vec<f64> = (0..HITS).map(|i| peak(i, HITS)).collect();
+    peaks.extend(&of_receptances);
+    let sample = document.value()["bodies"][1]["length_m"].as_f64().unwrap();
+    let cell = format!("{}", sample / 24.0);
+    let mut truth = Truth::of(document, &peaks, &[("/method/cell_m", cell.as_str())]);
+    truth.near_hz = natural;
+    truth.with_damping = true;
+    let hits = truth.measured(&sensors);
+    // An analysis of the signed response shows the fundamental where the receptance has its lines.
+    let places: Vec<f64> = hits[..HITS]
+        .iter()
+        .filter_map(|hit| hit["features"]["fundamental.frequency_hz"]["value"].as_f64())
+        .collect();
+    truth.near_hz = places.iter().sum::<f64>() / places.len() as f64;
+    let mut data = data(&hits[..HITS]);
+    // Differences of the engines and of the analysis; those with friction are larger, since windows of the
+    // analysis meet the end of the slip.
+    let [frequency, receptance, ratio] =
+        if kind == "friction" { [2e-4, 1e-3, 1e-2] } else { [2e-5, 3e-4, 5e-4] };
+    data[0]["floor"] = json!({
+        "fundamental.frequency_hz": {"relative": frequency},
+        "fundamental.receptance_m_per_n": {"relative": receptance},
+        "fundamental.damping_ratio": {"relative": ratio},
+        "harmonic_ratio": {"relative": ratio},
+    });
+    for (number, force) in of_receptances.iter().enumerate() {
+        sensors.seed += 1000;
+        let (band, table, deviation) = truth.receptance(HITS + number, &sensors, LINES);
+        data.as_array_mut().unwrap().push(json!({
+            "kind": "frf", "name": format!("receptance {}", number + 1), "file": table,
+            "band_hz": band, "hit": {"force_peak_n": sensors.force_gain * force},
+            "spread": {"relative": receptance, "absolute": deviation},
+        }));
+    }
+    (truth, data)
 }
 
 fn problem(rig: &Value, unknowns: &[Value], data: &Value, starts: usize) -> IdentificationProblem {
