@@ -1,6 +1,6 @@
 //! Component modes: free-interface normal modes with residual flexibility at ports.
 
-use faer::{Mat, Scale, Side};
+use faer::{Mat, Side};
 
 use crate::PortPair;
 use crate::error::{MeshError, not_negative};
@@ -111,6 +111,22 @@ impl ResidualFlexibility {
 /// Part of the largest eigenvalue of a residual flexibility below which it is rounding.
 const ROUNDING: f64 = 1e-13;
 
+/// Eigenvalues of a flexibility whose ports are scaled to a flexibility of one, and shapes by columns, for which the
+/// sum of eigenvalue times shape times shape is the flexibility; none without eigenvalues.
+///
+/// Ports may be means over cells and loads in newtons beside each other; and the eigenvalue algorithm loses
+/// digits of numbers far below 1.
+pub fn flexible_shapes(flexibility: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
+    let size = flexibility.nrows();
+    let root = |i: usize| flexibility[(i, i)].max(0.0).sqrt();
+    let scale: Vec<f64> = (0..size).map(root).collect();
+    let over = |value: f64, by: f64| if by > 0.0 { value / by } else { 0.0 };
+    let entry = |i: usize, j: usize| over(over(flexibility[(i, j)], scale[i]), scale[j]);
+    let found = Mat::from_fn(size, size, entry).self_adjoint_eigen(Side::Lower).ok()?;
+    let values = found.S().column_vector().iter().copied().collect();
+    Some((values, Mat::from_fn(size, size, |i, k| scale[i] * found.U()[(i, k)])))
+}
+
 /// Massless modes of the `flexibility` \[m/N\] between some `ports` of a number of them, one for each
 /// of its eigenvectors, written with the angular frequency `w` \[rad/s\], for which any may be taken, under a
 /// retardation time \[s\].
@@ -120,20 +136,12 @@ pub(crate) fn massless_modes(
     w: f64,
     retardation_time: f64,
 ) -> Vec<NormalMode> {
-    // The eigenvalue algorithm loses digits of numbers far below 1.
-    let scale = (0..ports.len()).map(|i| flexibility[(i, i)]).fold(0.0, f64::max);
-    if scale == 0.0 {
-        return Vec::new();
-    }
-    let scaled = flexibility * Scale(scale.recip());
-    // A symmetric matrix of numbers has its eigenvalues; without them nothing yields.
-    let Ok(found) = scaled.self_adjoint_eigen(Side::Lower) else { return Vec::new() };
-    let values: Vec<f64> = found.S().column_vector().iter().map(|value| scale * value).collect();
+    let Some((values, vectors)) = flexible_shapes(flexibility) else { return Vec::new() };
     let largest = values.iter().copied().fold(0.0, f64::max);
     let mode = |k: usize| {
         let mut participations = vec![0.0; count];
         for (i, &port) in ports.iter().enumerate() {
-            participations[port] = w * values[k].sqrt() * found.U()[(i, k)];
+            participations[port] = w * values[k].sqrt() * vectors[(i, k)];
         }
         NormalMode {
             mass_damped: false,

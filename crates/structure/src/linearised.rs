@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use asperity_mesh::{ComponentModes, NormalMode, PortPair, ResidualFlexibility};
-use faer::linalg::solvers::Solve;
+use faer::linalg::solvers::{DenseSolveCore, Solve};
 use faer::{Mat, Side};
 
 use crate::contact::check_springs;
@@ -72,6 +72,25 @@ impl<'a> Linearised<'a> {
     }
 }
 
+/// Eigenvalues of a positive semidefinite matrix, lowest first, and their vectors by columns: by the inverse of the
+/// shifted matrix, whose largest eigenvalues the algorithm finds to rounding, which it does not for the
+/// lowest ones of a large matrix.
+fn lowest_first(matrix: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
+    let size = matrix.nrows();
+    let diagonal = (0..size).map(|k| matrix[(k, k)]).filter(|value| *value > 0.0);
+    let shift = diagonal.fold(f64::INFINITY, f64::min);
+    if !shift.is_finite() {
+        return Some((vec![0.0; size], Mat::identity(size, size)));
+    }
+    let shifted =
+        Mat::from_fn(size, size, |i, j| matrix[(i, j)] / shift + if i == j { 1.0 } else { 0.0 });
+    let inverse = shifted.llt(Side::Lower).ok()?.inverse();
+    let found = inverse.self_adjoint_eigen(Side::Lower).ok()?;
+    let values = found.S().column_vector();
+    let squares = (0..size).rev().map(|k| shift * (1.0 / values[k] - 1.0)).collect();
+    Some((squares, Mat::from_fn(size, size, |i, k| found.U()[(i, size - 1 - k)])))
+}
+
 /// The lowest frequency \[Hz\] of a structure, rigid motions that nothing holds apart.
 pub(crate) fn lowest_frequency(
     modes: &ComponentModes,
@@ -103,12 +122,11 @@ impl PreloadedStructure<ComponentModes> {
         let equations = Linearised::new(modes, self.contacts());
         let Linearised { inert, massless, residual, closed, pairs, springs, forces, stiffness } =
             &equations;
-        let found = stiffness.self_adjoint_eigen(Side::Lower).map_err(|_| equations.failed())?;
-        let squares = found.S().column_vector();
+        let (squares, vectors) = lowest_first(stiffness).ok_or_else(|| equations.failed())?;
         let largest = squares.iter().copied().fold(0.0, f64::max);
         let mode = |k: usize| {
             let w = if squares[k] > RIGID * largest { squares[k].sqrt() } else { 0.0 };
-            let coordinates: Vec<f64> = (0..inert.len()).map(|m| found.U()[(m, k)]).collect();
+            let coordinates: Vec<f64> = (0..inert.len()).map(|m| vectors[(m, k)]).collect();
             let force = |i: usize| -> f64 {
                 coordinates.iter().enumerate().map(|(m, q)| forces[(i, m)] * q).sum()
             };

@@ -14,6 +14,7 @@
 use std::sync::Arc;
 
 use asperity_law::{ContactDamping, ContactLaw};
+use asperity_mesh::component_modes::flexible_shapes;
 use asperity_mesh::{ComponentModes, PortPair};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -320,19 +321,12 @@ fn flexible_coordinates(
         .collect();
     let count = places.len();
     let residual = |i: usize, j: usize| modes.residual().closure(places[i], places[j]);
-    // The eigenvalue algorithm loses digits of numbers far below 1.
-    let scale = (0..count).map(|i| residual(i, i)).fold(0.0, f64::max);
-    if scale == 0.0 {
-        return Ok(Vec::new());
-    }
-    let matrix = Mat::from_fn(count, count, |i, j| residual(i, j) / scale);
-    let found = matrix
-        .self_adjoint_eigen(Side::Lower)
-        .map_err(|_| StructureError::Eigenvalues { size: count })?;
-    let values = found.S().column_vector();
+    let matrix = Mat::from_fn(count, count, residual);
+    let (values, shapes) =
+        flexible_shapes(&matrix).ok_or(StructureError::Eigenvalues { size: count })?;
     let largest = values.iter().copied().fold(0.0, f64::max);
     let coordinate = |k: usize| {
-        let at = |i: usize| (scale * values[k]).sqrt() * found.U()[(i, k)];
+        let at = |i: usize| values[k].sqrt() * shapes[(i, k)];
         let load = forces.iter().enumerate().map(|(n, (_, force))| force * at(pairs.len() + n));
         ((0..pairs.len()).map(at).collect(), load.sum())
     };

@@ -29,7 +29,7 @@ fn summary(folder: &Path) -> Value {
 #[test]
 fn a_branch_that_does_not_complete_has_no_peak() {
     let folder = tempfile::tempdir().unwrap();
-    let range = ["--amplitude", "20", "--from", "1100", "--to", "700", "--harmonics", "20"];
+    let range = ["--amplitude", "30", "--from", "1100", "--to", "700", "--harmonics", "20"];
     let printed = answer(folder.path(), &[&range[..], &["--bodies", "elastic"]].concat());
     let level = &summary(folder.path())["levels"][0];
     assert_eq!(level["end"], "not_converged", "{level}");

@@ -21,7 +21,8 @@ fn reduced(stack: &Stack, modes: usize) -> Arc<PreloadedStructure<ComponentModes
     Arc::new(structure.reduced_to(&counts, &[Port::TOP]).unwrap())
 }
 
-/// Every law, contact held and lost, against the kernel at steps a tenth as long.
+/// Every law, contact held and lost, against the kernel at steps of a quarter of a microsecond. The kernel's output is
+/// filtered to the output rate, the ringing of light bodies in closures with it.
 #[test]
 fn bars_move_as_by_the_vector_kernel() {
     let sampling = Sampling::new(4e-3, 2e5).unwrap();
@@ -45,7 +46,7 @@ fn bars_move_as_by_the_vector_kernel() {
                 let pairs = found.history.interfaces.iter().zip(&expected.history.interfaces);
                 for (own, other) in pairs {
                     let off = relative_norm(&own.closure, &other.closure);
-                    assert!(off < 6e-3, "{name} {peak} N: closure {off:e}");
+                    assert!(off < 1e-2, "{name} {peak} N: closure {off:e}");
                 }
                 let [own, other] =
                     [&found, &expected].map(|run| &run.history.sensors[0].displacement);
