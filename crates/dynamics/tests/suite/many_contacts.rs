@@ -21,8 +21,8 @@ fn reduced(stack: &Stack, modes: usize) -> Arc<PreloadedStructure<ComponentModes
     Arc::new(structure.reduced_to(&counts, &[Port::TOP]).unwrap())
 }
 
-/// Every law, contact held and lost, against the kernel at steps of a quarter of a microsecond. The kernel's output is
-/// filtered to the output rate, the ringing of light bodies in closures with it.
+/// Every law, contact held and lost, against the kernel. Steps are of second order; light bodies that leave their
+/// contacts and fall back need the shortest.
 #[test]
 fn bars_move_as_by_the_vector_kernel() {
     let sampling = Sampling::new(4e-3, 2e5).unwrap();
@@ -31,7 +31,7 @@ fn bars_move_as_by_the_vector_kernel() {
             for peak in [9.0, 60.0] {
                 let structure = reduced(&stack, 6);
                 let system = ManyContacts::new(Arc::clone(&structure), 0, vec![0]).unwrap();
-                let found = system.integrate(&pulse(peak), &sampling, 16).unwrap();
+                let found = system.integrate(&pulse(peak), &sampling, 64).unwrap();
                 let model = ModalModel::new((*structure).clone(), 0, &[0]).unwrap();
                 let case = TransientCase {
                     model: Arc::new(model),
@@ -46,7 +46,9 @@ fn bars_move_as_by_the_vector_kernel() {
                 let pairs = found.history.interfaces.iter().zip(&expected.history.interfaces);
                 for (own, other) in pairs {
                     let off = relative_norm(&own.closure, &other.closure);
-                    assert!(off < 1e-2, "{name} {peak} N: closure {off:e}");
+                    let lost = expected.contacts.iter().any(|one| one.lost > 0.0);
+                    let bound = if lost { 1.5e-2 } else { 3e-4 };
+                    assert!(off < bound, "{name} {peak} N: closure {off:e}");
                 }
                 let [own, other] =
                     [&found, &expected].map(|run| &run.history.sensors[0].displacement);
