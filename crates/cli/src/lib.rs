@@ -5,14 +5,14 @@
 //!
 //! | module | does |
 //! |---|---|
-//! | [`mod@answer`] | answers on standard output |
-//! | [`args`] | the options |
-//! | [`command`] | the subcommands, one a file |
-//! | [`failure`] | errors, their exit status and their hints |
-//! | [`file_kind`] | kinds of input files |
-//! | [`usage`] | errors of options in words |
-//! | [`excerpt`] | the lines of a text that an error is about |
-//! | [`progress`] | progress bars, logs and messages on standard error |
+//! | `answer` | answers on standard output |
+//! | `args` | the options |
+//! | `command` | the subcommands, one a file |
+//! | `failure` | errors, their exit status and their hints |
+//! | `file_kind` | kinds of input files |
+//! | `usage` | errors of options in words |
+//! | `excerpt` | the lines of a text that an error is about |
+//! | `progress` | progress bars, logs and messages on standard error |
 
 #[macro_use]
 mod answer;
