@@ -38,9 +38,10 @@ pub(crate) fn run() -> Result<bool> {
     for entry in fs::read_dir(&archives)? {
         let path = entry?.path();
         if path.extension().is_some_and(|extension| extension == "crate") {
-            let archive = GzDecoder::new(File::open(&path)?);
-            let unpack = tar::Archive::new(archive).unpack(&unpacked);
-            unpack.with_context(|| path.display().to_string())?;
+            let mut archive = tar::Archive::new(GzDecoder::new(File::open(&path)?));
+            // All files of archives have one time, by which a change since the last run would not be seen.
+            archive.set_preserve_mtime(false);
+            archive.unpack(&unpacked).with_context(|| path.display().to_string())?;
         }
     }
     let root = fs::read_to_string(workspace_root().join("Cargo.toml"))?;
