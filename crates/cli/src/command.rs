@@ -185,7 +185,7 @@ impl ResultFolder {
         name.push(format!("-{how}"));
         let beside = self.0.path().with_file_name(name);
         crate::progress::show_line(&format!(
-            "{} keeps its finished result; that of the {how} run is written to {}",
+            "{} keeps its finished result; the result of the {how} run is written to {}",
             self.0.path().display(),
             beside.display()
         ));

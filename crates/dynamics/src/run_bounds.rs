@@ -26,6 +26,9 @@ const MOST_STEPS_A_SAMPLE: f64 = 1e8;
 /// Most numbers of a time history: 0.8 GB, and some three times as much as text.
 pub const MOST_HISTORY_NUMBERS: f64 = 1e8;
 
+/// Most steps times contacts of a run with many contacts: some hours.
+const MOST_CONTACT_STEPS: f64 = 1e10;
+
 /// Most numbers that a modal run records at its steps: 1.6 GB.
 const MOST_RECORDED_NUMBERS: f64 = 2e8;
 
@@ -64,6 +67,15 @@ pub(crate) fn check_recorded_steps(
 ) -> Result<(), DynamicsError> {
     let unit = "numbers recorded at its steps";
     at_most(steps * (1 + 2 * interfaces) as f64, MOST_RECORDED_NUMBERS, unit, step)
+}
+
+/// Checks the size of a run with many contacts.
+pub(crate) fn check_many_contacts(
+    steps: f64,
+    contacts: usize,
+    step: f64,
+) -> Result<(), DynamicsError> {
+    at_most(steps * contacts as f64, MOST_CONTACT_STEPS, "steps times contacts", step)
 }
 
 fn at_most(count: f64, limit: f64, unit: &'static str, step_s: f64) -> Result<(), DynamicsError> {

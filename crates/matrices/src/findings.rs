@@ -11,7 +11,7 @@ const MOST_PARTS: usize = 10;
 /// Something wrong or surprising in matrices, in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MatrixFinding {
-    /// True if the matrices cannot be those of a structure.
+    /// True if no structure can have the matrices.
     pub is_fault: bool,
     /// The finding, with rows and numbers.
     pub text: String,

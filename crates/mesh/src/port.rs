@@ -40,8 +40,8 @@ impl Port {
     /// [`MeshError::Port`] for a body that `stack` does not have, or a position that is not on it.
     pub fn check(self, stack: &Stack) -> Result<Self, MeshError> {
         if let Self::Number(number) = self {
-            let quantity = "number of a port of a stack, which has places instead,";
-            return Err(MeshError::Port { quantity, value: number as f64, most: -1.0 });
+            // A stack has places instead.
+            return Err(MeshError::NoPort { port: number, ports: 0 });
         }
         let (Self::Point { body, .. } | Self::Mean { body }) = self else { return Ok(self) };
         let Some(own) = stack.bodies().get(body) else {

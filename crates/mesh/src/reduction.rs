@@ -4,7 +4,7 @@ mod dissection;
 mod factor;
 mod lanczos;
 
-use faer::Mat;
+use faer::{Mat, Scale};
 
 use crate::component_modes::massless_modes;
 use crate::{ComponentModes, MeshError, NormalMode, PortPair, ResidualFlexibility, SparseBody};
@@ -15,7 +15,7 @@ const FIRST_SHIFT: f64 = 1e-6;
 
 /// The shift over the lowest elastic square, and the largest that is kept.
 const SHIFT: f64 = 0.0025;
-const LARGEST_SHIFT: f64 = 1.0;
+const LARGEST_SHIFT: f64 = 0.1;
 
 /// Square over the typical one up to which a mode counts as rigid: rounding of matrices that are
 /// written with 14 digits.
@@ -24,8 +24,8 @@ const RIGID: f64 = 1e-12;
 /// Most modes of a body.
 pub const MOST_REDUCED_MODES: usize = 2000;
 
-/// Square of the shift over the highest kept square, the relative error of two terms of the series in the shift, up
-/// to which two are taken; of three terms it is the cube.
+/// Relative error of the series in the shift: with n terms, two at least, the nth power of the shift over the lowest
+/// square left out.
 const SERIES: f64 = 1e-12;
 
 /// Ports whose flexibility is computed at once.
@@ -44,8 +44,8 @@ pub type PortPattern = Vec<(usize, f64)>;
 ///
 /// with the patterns `b_a` of ports. One factorisation `K + s M = L L^T` with a small shift `s` serves
 /// the modes, by block Lanczos iteration, and the flexibility: the solutions for the ports without their
-/// part along the modes kept are `sum phi_n phi_n^T b / (w_n^2 + s)`; two or three terms of the series
-/// of `1 / w_n^2` in `s` leave an error of at most 1e-12, or `(s / w_n^2)^3`, of R.
+/// part along the modes kept are `sum phi_n phi_n^T b / (w_n^2 + s)`; as many terms of the series of
+/// `1 / w_n^2` in `s` are taken as leave an error of at most 1e-12 of R.
 ///
 /// Sources: R. H. MacNeal, Comput. Struct. 1971, 1, 581, doi 10.1016/0045-7949(71)90031-9;
 /// S. Rubin, AIAA J. 1975, 13, 995, doi 10.2514/3.60497.
@@ -117,7 +117,9 @@ impl ReducedBody {
         let participations = participations(&shapes, ports);
         let squares = &found.squares[..kept];
         let of_shift = Shifted { body, factor: &factor, shift };
-        let residual = of_shift.residual(ports, (squares, &shapes, &participations))?;
+        // The modes left out are at least as high as the highest that was found.
+        let least = found.squares.get(kept).or(squares.last()).copied().unwrap_or_default();
+        let residual = of_shift.residual(ports, (&shapes, &participations), least)?;
         let angular_frequencies = squares.iter().map(|square| square.sqrt()).collect();
         Ok(Self { angular_frequencies, participations, residual })
     }
@@ -191,11 +193,13 @@ struct Shifted<'a> {
 }
 
 impl Shifted<'_> {
-    /// Flexibility of the modes left out, beside those kept with their squares, shapes and participations.
+    /// Flexibility of the modes left out, of squares from `least` \[1/s2\] on, beside the kept `shapes` with
+    /// their `participations`.
     fn residual(
         &self,
         ports: &[PortPattern],
-        (squares, shapes, participations): (&[f64], &Mat<f64>, &[Vec<f64>]),
+        (shapes, participations): (&Mat<f64>, &[Vec<f64>]),
+        least: f64,
     ) -> Result<ResidualFlexibility, MeshError> {
         let (size, count) = (self.body.size(), ports.len());
         // Solutions for the ports without the modes kept, which are taken off the loads: the shift makes
@@ -217,18 +221,19 @@ impl Shifted<'_> {
         let read = |pattern: &PortPattern, column: usize| -> f64 {
             pattern.iter().map(|&(row, weight)| weight * left[(row, column)]).sum()
         };
-        let highest = squares.last().copied().unwrap_or_default();
-        let takes_two_terms = (self.shift / highest).powi(2) <= SERIES;
+        let ratio = self.shift / least;
+        let terms_needed = (SERIES.ln() / ratio.ln()).ceil() as i32;
         let mut rows = vec![vec![0.0; count]; count];
         for start in (0..count).step_by(AT_ONCE) {
             let columns = AT_ONCE.min(count - start);
             let mut images = self.body.mass_times(left.subcols(start, columns));
-            let mut terms = left.transpose() * &images * faer::Scale(self.shift);
-            if !takes_two_terms {
+            let mut terms = left.transpose() * &images * Scale(self.shift);
+            // The first term is the solution itself, the second the one above.
+            for power in 2..terms_needed {
                 self.factor.solve(&mut images);
                 clear(&mut images);
-                let images = self.body.mass_times(images.as_ref());
-                terms += left.transpose() * &images * faer::Scale(self.shift.powi(2));
+                images = self.body.mass_times(images.as_ref());
+                terms += left.transpose() * &images * Scale(self.shift.powi(power));
             }
             for column in 0..columns {
                 for (row, pattern) in ports.iter().enumerate() {

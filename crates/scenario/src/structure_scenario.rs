@@ -60,6 +60,15 @@ pub struct StructureScenario {
     pub accuracy: Option<f64>,
 }
 
+impl StructureScenario {
+    /// Files of its bodies, cells and static loads, as given.
+    pub fn files(&self) -> impl Iterator<Item = &str> {
+        let cells = self.interfaces.iter().map(|patch| patch.cells.as_str());
+        let loads = self.loads.iter().filter_map(|load| load.file.as_deref());
+        self.bodies.iter().flat_map(MatrixBodySpec::files).chain(cells).chain(loads)
+    }
+}
+
 /// Body given by its matrices.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -82,6 +91,15 @@ pub struct MatrixBodySpec {
     pub reduction: ReductionSpec,
 }
 
+impl MatrixBodySpec {
+    /// Files of the body, as given.
+    fn files(&self) -> impl Iterator<Item = &str> {
+        let MatricesSpec { stiffness, mass, rows, .. } = &self.matrices;
+        let optional = mass.iter().chain(rows).chain(&self.mesh);
+        std::iter::once(stiffness).chain(optional).map(String::as_str)
+    }
+}
+
 /// Format of files of matrices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -92,6 +110,8 @@ pub enum MatricesFormatSpec {
     Abaqus,
     /// Matrix Market, with a file of rows.
     MatrixMarket,
+    /// Nastran DMIG matrices.
+    Nastran,
     /// MATLAB file with `K`, `M` and `dof`.
     Matlab,
     /// NumPy file with `K`, `M` and `dof`.

@@ -14,7 +14,7 @@ use crate::error::SimulationError;
 use crate::shared_laws::shared_law;
 use asperity_scenario::{
     BodySpec, ContactScheme, DampingSpec, ExcitationSpec, FrictionSpec, LoadSamples, MethodSpec,
-    ModalSpec, Scenario, SectionSpec, SensorSpec, SupportSpec,
+    ModalSpec, SamplesFile, Scenario, SectionSpec, SensorSpec, SupportSpec,
 };
 
 /// A scenario turned into the objects that compute.
@@ -177,18 +177,24 @@ pub fn load_case(
     bodies: &[Body],
     folder: &Path,
 ) -> Result<LoadCase, SimulationError> {
-    let load = spec.load_case(bodies, |file| {
-        let path = folder.join(file.file);
-        let samples = LoadSamples::read(&path, file.column);
-        let samples = match (samples, file.peak) {
-            (Ok(samples), Some(peak)) => samples.rescaled(peak),
-            (samples, _) => samples,
-        };
-        let samples = samples.map_err(|source| SimulationError::Samples { path, source })?;
-        Ok::<_, SimulationError>(SampledFunction::new(samples.time_s, samples.values)?)
-    })?;
+    let load = spec.load_case(bodies, |file| samples_of(file, folder))?;
     load.check()?;
     Ok(load)
+}
+
+/// The function of time in a file of samples, which is looked for in `folder`.
+pub(crate) fn samples_of(
+    file: SamplesFile<'_>,
+    folder: &Path,
+) -> Result<SampledFunction, SimulationError> {
+    let path = folder.join(file.file);
+    let samples = LoadSamples::read(&path, file.column);
+    let samples = match (samples, file.peak) {
+        (Ok(samples), Some(peak)) => samples.rescaled(peak),
+        (samples, _) => samples,
+    };
+    let samples = samples.map_err(|source| SimulationError::Samples { path, source })?;
+    Ok(SampledFunction::new(samples.time_s, samples.values)?)
 }
 
 /// The sensors of `scenario`.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity_scenario::{Document, Scenario, file_sha256};
+use asperity_scenario::{Document, Scenario, StructureScenario, file_sha256};
 use serde::Serialize;
 
 use crate::error::SimulationError;
@@ -41,6 +41,20 @@ impl Provenance {
         let file = scenario.excitation.samples().map(|samples| samples.file);
         let files = file.map(|file| InputFile::read(document.folder(), file.as_ref()));
         Ok(Self::new(document, files.into_iter().collect::<Result<_, _>>()?))
+    }
+
+    /// The provenance of a result of one structure of matrices.
+    ///
+    /// # Errors
+    /// [`SimulationError::Input`] for a file that cannot be read.
+    pub fn of_structure(
+        document: &Document,
+        scenario: &StructureScenario,
+    ) -> Result<Self, SimulationError> {
+        let samples = scenario.excitation.samples().map(|samples| samples.file);
+        let files = scenario.files().chain(samples);
+        let files = files.map(|file| InputFile::read(document.folder(), file.as_ref()));
+        Ok(Self::new(document, files.collect::<Result<_, _>>()?))
     }
 }
 

@@ -24,6 +24,7 @@ use asperity_simulation::patches::{PatchRun, assemble_patches, patch_modes, simu
 use asperity_simulation::record::history_columns;
 use asperity_simulation::sweep::{Variation, sweep};
 use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
+use tempfile::TempDir;
 
 const SCENARIO: &str = r#"{"schema": "asperity/scenario/1",
  "title": "two blocks",
@@ -40,6 +41,20 @@ const SCENARIO: &str = r#"{"schema": "asperity/scenario/1",
              {"name": "corner", "at": {"body": "blocks", "node": 230, "direction": [0, 0, 1]}, "kind": "displacement"}],
  "duration_s": 0.005}"#;
 
+/// A copy of the data of the two blocks; none where there are no data, which is said for `test`.
+fn two_blocks(test: &str) -> Option<TempDir> {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fe/two_blocks");
+    if !data.is_dir() {
+        eprintln!("skipped {test}: no data of two_blocks");
+        return None;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for file in fs::read_dir(&data).unwrap().flatten() {
+        fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
+    }
+    Some(folder)
+}
+
 fn simulate(document: &Document) -> PatchRun {
     let scenario = document.structure_scenario().unwrap();
     simulate_patches(document, &scenario, &|_| ()).unwrap()
@@ -51,15 +66,7 @@ fn largest(samples: &[f64]) -> f64 {
 
 #[test]
 fn two_blocks_move_as_by_the_reference() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fe/two_blocks");
-    if !data.is_dir() {
-        eprintln!("skipped two_blocks_move_as_by_the_reference: no data");
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    for file in fs::read_dir(&data).unwrap().flatten() {
-        fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
-    }
+    let Some(folder) = two_blocks("two_blocks_move_as_by_the_reference") else { return };
     let path = folder.path().join("scenario.json");
     fs::write(&path, SCENARIO).unwrap();
     let found = simulate(&Document::read(&path).unwrap());
@@ -123,15 +130,9 @@ fn two_blocks_move_as_by_the_reference() {
 /// Steady vibration of 16 cells by harmonic balance, near resonance: first and second harmonic.
 #[test]
 fn two_blocks_vibrate_steadily_as_by_the_reference() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fe/two_blocks");
-    if !data.is_dir() {
-        eprintln!("skipped two_blocks_vibrate_steadily_as_by_the_reference: no data");
+    let Some(folder) = two_blocks("two_blocks_vibrate_steadily_as_by_the_reference") else {
         return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    for file in fs::read_dir(&data).unwrap().flatten() {
-        fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
-    }
+    };
     let mut document = Document::parse(SCENARIO, folder.path().join("scenario.json")).unwrap();
     document.set("/bodies/0/reduction/modes", "200").unwrap();
     let scenario = document.structure_scenario().unwrap();
@@ -151,6 +152,19 @@ fn two_blocks_vibrate_steadily_as_by_the_reference() {
         assert!((own / expected - 1.0).abs() < 1e-4, "{harmonic}: {own:e} {expected:e}");
     }
 }
+
+const BARS: &str = r#"{"schema": "asperity/scenario/1",
+     "bodies": [{"name": "bars", "reduction": {"modes": 8},
+                 "matrices": {"format": "calculix", "stiffness": "bars.sti", "mass": "bars.mas", "rows": "bars.dof"}}],
+     "loads": [{"body": "bars", "file": "weight.csv"}],
+     "interfaces": [{"name": "upper", "law": "pl", "body": "bars", "cells": "cells0.csv"},
+                    {"name": "lower", "law": "pl", "body": "bars", "cells": "cells1.csv"}],
+     "laws": {"pl": {"kind": "power", "coefficient": 1.81e10, "exponent": 0.35}},
+     "damping": {"kind": "mass_proportional", "rate_per_s": 352},
+     "excitation": {"kind": "gamma_pulse", "peak_n": 10, "rise_s": 0.34e-3,
+                    "at": {"body": "bars", "node": 1, "direction": [1, 0, 0]}},
+     "sensors": [{"name": "first", "at": {"body": "bars", "node": 1, "direction": [1, 0, 0]}, "kind": "displacement"}],
+     "duration_s": 0.02, "accuracy": 1e-4}"#;
 
 /// A block on a sample on the ground, in free modes of both bars.
 fn bars() -> (Stack, ComponentModes) {
@@ -206,19 +220,7 @@ fn bars_given_as_matrices_are_bars() {
     let (stack, modes) = bars();
     let folder = tempfile::tempdir().unwrap();
     write_files(folder.path(), &modes);
-    let text = r#"{"schema": "asperity/scenario/1",
-     "bodies": [{"name": "bars", "reduction": {"modes": 8},
-                 "matrices": {"format": "calculix", "stiffness": "bars.sti", "mass": "bars.mas", "rows": "bars.dof"}}],
-     "loads": [{"body": "bars", "file": "weight.csv"}],
-     "interfaces": [{"name": "upper", "law": "pl", "body": "bars", "cells": "cells0.csv"},
-                    {"name": "lower", "law": "pl", "body": "bars", "cells": "cells1.csv"}],
-     "laws": {"pl": {"kind": "power", "coefficient": 1.81e10, "exponent": 0.35}},
-     "damping": {"kind": "mass_proportional", "rate_per_s": 352},
-     "excitation": {"kind": "gamma_pulse", "peak_n": 10, "rise_s": 0.34e-3,
-                    "at": {"body": "bars", "node": 1, "direction": [1, 0, 0]}},
-     "sensors": [{"name": "first", "at": {"body": "bars", "node": 1, "direction": [1, 0, 0]}, "kind": "displacement"}],
-     "duration_s": 0.02, "accuracy": 1e-4}"#;
-    let document = Document::parse(text, folder.path().join("bars.json")).unwrap();
+    let document = Document::parse(BARS, folder.path().join("bars.json")).unwrap();
     let scenario = document.structure_scenario().unwrap();
     let assembly = assemble_patches(&scenario, document.folder()).unwrap();
     let expected = PreloadedStructure::new(stack, Damping::Rate(352.0)).unwrap();
@@ -273,16 +275,6 @@ fn faults_of_structures_are_named() {
     let (_, modes) = bars();
     let folder = tempfile::tempdir().unwrap();
     write_files(folder.path(), &modes);
-    let text = r#"{"schema": "asperity/scenario/1",
-     "bodies": [{"name": "bars", "reduction": {"modes": 8},
-                 "matrices": {"format": "calculix", "stiffness": "bars.sti", "mass": "bars.mas", "rows": "bars.dof"}}],
-     "loads": [{"body": "bars", "file": "weight.csv"}],
-     "interfaces": [{"name": "upper", "law": "pl", "body": "bars", "cells": "cells0.csv"},
-                    {"name": "lower", "law": "pl", "body": "bars", "cells": "cells1.csv"}],
-     "laws": {"pl": {"kind": "power", "coefficient": 1.81e10, "exponent": 0.35}},
-     "damping": {"kind": "mass_proportional", "rate_per_s": 352},
-     "sensors": [{"name": "first", "at": {"body": "bars", "node": 1, "direction": [1, 0, 0]}, "kind": "displacement"}],
-     "duration_s": 0.02}"#;
     let cases = [
         (
             "/sensors/0/at/node",
@@ -316,7 +308,7 @@ fn faults_of_structures_are_named() {
         ),
     ];
     for (pointer, value, expected) in cases {
-        let mut document = Document::parse(text, folder.path().join("bars.json")).unwrap();
+        let mut document = Document::parse(BARS, folder.path().join("bars.json")).unwrap();
         document.set(pointer, value).unwrap();
         let message = match document.structure_scenario() {
             Err(error) => format!("{:?}", error.diagnostics),

@@ -124,7 +124,7 @@ impl PlaceSpec {
             Along::PositionM(value) if (0.0..=own.length()).contains(&value) => value,
             Along::Node { node, .. } => {
                 let (quantity, value) = ("node of a bar", node as f64);
-                let accepted = "position_m or end; nodes are those of bodies of matrices";
+                let accepted = "position_m or end; bodies of matrices have nodes";
                 return Err(StructureError::Setting { quantity, value, accepted });
             }
             Along::PositionM(value) => {

@@ -101,7 +101,7 @@ pub(super) fn modes(document: &Document, output: &Output, count: usize) -> Resul
     let assembly = assemble_patches(&scenario, document.folder())?;
     let found = patch_modes(&assembly, count)?;
     let folder = ResultFolder::claim("modes", document.path(), output)?;
-    let provenance = Provenance::new(document, Vec::new());
+    let provenance = Provenance::of_structure(document, &scenario)?;
     let answer = found.summary(scenario.title.clone(), &assembly, provenance);
     let folder = folder.finish("modes.json", &json!(answer), output.json)?;
     if output.json {

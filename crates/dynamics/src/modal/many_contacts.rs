@@ -26,6 +26,7 @@ use faer::{Mat, Side};
 use super::oscillator::{Dynamics, Propagator};
 use crate::contact_energy::excess;
 use crate::error::{balanced, check_modal_damping};
+use crate::run_bounds::check_many_contacts;
 use crate::{ContactExtremes, DynamicsError, EnergyLedger, History, Sampling, Transient};
 use contact_forces::ContactForces;
 use run_parts::{Extremes, Residual};
@@ -141,7 +142,7 @@ impl ManyContacts {
     ///
     /// # Errors
     /// [`DynamicsError::Setting`] for a load out of range or no parts; [`DynamicsError::Unstable`] when the
-    /// contact equations of a step are not solved, [`DynamicsError::Coarse`] when the energy
+    /// contact equations of a step are not solved, [`DynamicsError::TooLarge`] for more than 1e10 steps times contacts, [`DynamicsError::Coarse`] when the energy
     /// balance does not close.
     pub fn integrate(
         &self,
@@ -169,6 +170,8 @@ impl ManyContacts {
             return Err(DynamicsError::Setting { quantity, value: 0.0, accepted });
         }
         let step = sampling.interval() / parts as f64;
+        let steps = sampling.samples() as f64 * parts as f64;
+        check_many_contacts(steps, self.structure.contacts().len(), step)?;
         let mut run = Run::new(self, load, step);
         let samples = sampling.samples();
         let mut history = History::with_capacity(samples, self.sensors.len(), self.groups.len());
@@ -518,7 +521,7 @@ impl<'a> Run<'a> {
         carried + self.residual.own * self.load_value - yielded
     }
 
-    /// Motion of a sensor. Velocities and accelerations are those of the modes with inertia.
+    /// Motion of a sensor. Modes with inertia alone contribute to velocities and accelerations.
     fn sensor(&self, number: usize) -> [f64; 3] {
         let yielded: f64 =
             self.residual.sensors[number].iter().zip(&self.forces).map(|(r, f)| r * f).sum();

@@ -16,7 +16,7 @@ const NEWTON: usize = 4;
 
 /// The force of a contact that opens within the period.
 ///
-/// The force of a law that separates has a kink where the closure passes that of zero pressure, or a tangent
+/// The force of a law that separates has a kink where the closure passes the closure of zero pressure, or a tangent
 /// that is vertical there. Its sum over equal samples has a slope that changes quickly with every sample that
 /// passes, and Newton's method stalls. The integral over a closed piece, from a crossing at the angle a to
 /// the next at a + L, changes smoothly: with

@@ -46,8 +46,7 @@ struct Krylov<'a> {
     /// Modes that are known, to which all vectors are orthogonal.
     known: Mat<f64>,
     basis: Mat<f64>,
-    /// Number of vectors in the basis, and the most that it may have.
-    count: usize,
+    /// Most vectors of the basis.
     most: usize,
     projected: Mat<f64>,
     random: Random,
@@ -75,7 +74,7 @@ pub(super) fn lowest(
         let mut krylov = Krylov::new(body, factor, known, RIGID_BLOCKS * BLOCK);
         let start = krylov.random_block(BLOCK.min(krylov.room()));
         krylov.iterate(start);
-        if krylov.count == 0 {
+        if krylov.count() == 0 {
             return Ok(Eigenpairs::rigid(krylov.known));
         }
         let found = krylov.ritz(shift)?;
@@ -95,10 +94,13 @@ pub(super) fn lowest(
         let mut improved = body.mass_times(rigid_shapes.as_ref());
         factor.solve(&mut improved);
         let lengths = krylov.lengths(&improved);
-        krylov.count = 0;
+        krylov.basis = Mat::zeros(size, 0);
         krylov.take_off(&mut improved);
         let (improved, _) = krylov.orthonormal(&improved, &lengths, new);
         known = beside(&krylov.known, &improved);
+        if improved.ncols() == 0 {
+            break;
+        }
     }
     let rigid_count = known.ncols();
     let elastic = wanted.saturating_sub(rigid_count).max(1).min(size - rigid_count);
@@ -113,7 +115,7 @@ pub(super) fn lowest(
         let (next, couplings) = krylov.extend(&block);
         let found = krylov.ritz(shift)?;
         block = next;
-        if krylov.count < elastic || !found.is_converged(elastic, &couplings) {
+        if krylov.count() < elastic || !found.is_converged(elastic, &couplings) {
             continue;
         }
         let values = &found.values[..elastic];
@@ -130,7 +132,7 @@ pub(super) fn lowest(
     }
     // The basis holds every motion with mass.
     let found = krylov.ritz(shift)?;
-    Ok(krylov.eigenpairs(&found, elastic.min(krylov.count)))
+    Ok(krylov.eigenpairs(&found, elastic.min(krylov.count())))
 }
 
 /// The columns of `left`, and after them the columns of `right`.
@@ -177,16 +179,20 @@ impl<'a> Krylov<'a> {
             factor,
             known,
             basis: Mat::zeros(body.size(), 0),
-            count: 0,
             most,
             projected: Mat::zeros(most, most),
             random: Random(0x9e37_79b9_7f4a_7c15),
         }
     }
 
+    /// Number of vectors in the basis.
+    fn count(&self) -> usize {
+        self.basis.ncols()
+    }
+
     /// Number of vectors that the basis has room for.
     fn room(&self) -> usize {
-        self.most - self.count
+        self.most - self.count()
     }
 
     /// Fills the basis from a first block.
@@ -199,18 +205,17 @@ impl<'a> Krylov<'a> {
     /// Takes `block`, orthonormal and orthogonal to the basis, into the basis. The next block, and its
     /// couplings to this one, by which the basis is no invariant space.
     fn extend(&mut self, block: &Mat<f64>) -> (Mat<f64>, Mat<f64>) {
-        let (from, added) = (self.count, block.ncols());
+        let (from, added) = (self.count(), block.ncols());
         let size = self.body.size();
         self.basis.resize_with(size, from + added, |row, column| block[(row, column - from)]);
-        self.count += added;
         let mut image = self.body.mass_times(block.as_ref());
         self.factor.solve(&mut image);
         let lengths = self.lengths(&image);
-        let mut along = Mat::zeros(self.count, added);
+        let mut along = Mat::zeros(self.count(), added);
         for _ in 0..2 {
             along += self.take_off(&mut image);
         }
-        self.projected.submatrix_mut(0, from, self.count, added).copy_from(&along);
+        self.projected.submatrix_mut(0, from, from + added, added).copy_from(&along);
         let room = self.room();
         self.orthonormal(&image, &lengths, room)
     }
@@ -219,13 +224,12 @@ impl<'a> Krylov<'a> {
     fn take_off(&self, vectors: &mut Mat<f64>) -> Mat<f64> {
         let known = self.known.transpose() * self.body.mass_times(vectors.as_ref());
         *vectors -= &self.known * known;
-        let basis = self.basis.subcols(0, self.count);
-        let along = basis.transpose() * self.body.mass_times(vectors.as_ref());
-        *vectors -= basis * &along;
+        let along = self.basis.transpose() * self.body.mass_times(vectors.as_ref());
+        *vectors -= &self.basis * &along;
         along
     }
 
-    /// At most `room` orthonormal columns that span those of `vectors`, and the coordinates of `vectors`
+    /// At most `room` orthonormal columns that span the columns of `vectors`, and the coordinates of `vectors`
     /// in them. A column of which next to nothing is left of its first length is replaced by a random one;
     /// where nothing is left that is orthogonal to all, there are fewer columns.
     fn orthonormal(
@@ -322,12 +326,12 @@ impl<'a> Krylov<'a> {
 
     /// Shapes of `count` vectors from the vector `from` on.
     fn shapes(&self, vectors: &Mat<f64>, from: usize, count: usize) -> Mat<f64> {
-        self.basis.subcols(0, self.count) * vectors.subcols(from, count)
+        &self.basis * vectors.subcols(from, count)
     }
 
     /// Eigenvalues and vectors of the projected operator.
     fn ritz(&self, shift: f64) -> Result<Ritz, MeshError> {
-        let count = self.count;
+        let count = self.count();
         // The eigenvalue algorithm loses digits of numbers far below 1.
         let scale = (0..count).map(|k| self.projected[(k, k)]).fold(0.0, f64::max);
         let entry = |i: usize, j: usize| self.projected[(i.min(j), i.max(j))] / scale;

@@ -107,7 +107,9 @@ fn compare(k: &Mat<f64>, m: &Mat<f64>, places: Vec<Option<[f64; 3]>>, modes: usi
 #[test]
 fn lattices_are_reduced_as_by_all_their_modes() {
     let mut random = Random(7);
-    for (shape, modes) in [((2, 1, 1), 2), ((12, 2, 2), 10), ((4, 4, 4), 20), ((30, 1, 1), 6)] {
+    for (shape, modes) in
+        [((2, 1, 1), 2), ((12, 2, 2), 10), ((4, 4, 4), 20), ((30, 1, 1), 6), ((60, 1, 1), 3)]
+    {
         let (k, m, places) = lattice(shape, &mut random);
         compare(&k, &m, places, modes);
         compare(&k, &m, Vec::new(), modes);

@@ -51,14 +51,7 @@ impl ReductionKey {
             "sensors": places,
         });
         let mut text = parts.to_string();
-        let mut files: Vec<&String> = Vec::new();
-        for body in bodies {
-            files.push(&body.matrices.stiffness);
-            files.extend(body.matrices.mass.iter().chain(&body.matrices.rows).chain(&body.mesh));
-        }
-        files.extend(interfaces.iter().map(|patch| &patch.cells));
-        files.extend(loads.iter().filter_map(|load| load.file.as_ref()));
-        for file in files {
+        for file in scenario.files() {
             let path = folder.join(file);
             let read = fs::metadata(&path).map_err(|source| SimulationError::Input {
                 path: path.clone(),

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use asperity_scenario::Document;
 use rayon::prelude::*;
 
-use super::run::simulate_patches;
+use super::run::respond;
 use crate::error::SimulationError;
 use crate::observables::Observables;
 use crate::quantity::observable_names;
@@ -42,10 +42,9 @@ fn one(document: &Document, pointers: &[&str], values: &[&str]) -> PatchRow {
     let scenario = document
         .structure_scenario()
         .map_err(|error| SimulationError::Scenario(error.to_string()))?;
-    let found = simulate_patches(&document, &scenario, &|_| ())?;
-    let interfaces = &found.run.summary.interfaces;
-    let interfaces: Vec<&str> = interfaces.iter().map(|one| one.name.as_str()).collect();
+    let (_, found) = respond(&scenario, document.folder(), &|_| ())?;
+    let interfaces: Vec<&str> = scenario.interfaces.iter().map(|one| one.name.as_str()).collect();
     let sensors = scenario.sensors.iter().skip(1);
     let further: Vec<&str> = sensors.map(|sensor| sensor.name.as_str()).collect();
-    Ok((observable_names(&interfaces, &further, false).into(), found.run.observables))
+    Ok((observable_names(&interfaces, &further, false).into(), found.response.observables))
 }

@@ -4,6 +4,7 @@
 //! of two thirds of the modes shows the error by the modes left out, whose flexibility is kept and
 //! whose inertia is not.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -19,7 +20,7 @@ use crate::accuracy::ErrorEstimate;
 use crate::assemble::Assembly;
 use crate::error::SimulationError;
 use crate::observables::Observables;
-use crate::provenance::{InputFile, Provenance};
+use crate::provenance::Provenance;
 use crate::run::Run;
 use crate::summary::{Numerics, Summary};
 
@@ -125,14 +126,8 @@ pub fn simulate_patches(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<PatchRun, SimulationError> {
     let started = Instant::now();
-    let assembly =
-        info_span!("assemble").in_scope(|| assemble_patches(scenario, document.folder()))?;
-    progress(0.3);
-    let at_rest = assembly.structure.at_rest();
-    let system = system(&assembly, Arc::clone(&assembly.structure.structure))?;
-    let parts = first_parts(&assembly);
-    let found = refined(&assembly, &system, parts, progress)?;
-    let Refined { transient, cells, observables, truncation } = found;
+    let (assembly, found) = respond(scenario, document.folder(), progress)?;
+    let Refined { response: Response { transient, cells, observables }, truncation } = found;
     for warning in &observables.warnings {
         tracing::warn!("{warning}");
     }
@@ -144,8 +139,8 @@ pub fn simulate_patches(
         instructions: "scalar".to_owned(),
         wall_s: started.elapsed().as_secs_f64(),
     };
-    let provenance = provenance(document, scenario)?;
-    let title = scenario.title.clone();
+    let provenance = Provenance::of_structure(document, scenario)?;
+    let (title, at_rest) = (scenario.title.clone(), assembly.structure.at_rest());
     let summary = Summary::new(title, &assembly, at_rest, &observables, numerics, provenance);
     let contacts = assembly.structure.structure.contacts();
     let patches = assembly.structure.patches.iter();
@@ -158,23 +153,17 @@ pub fn simulate_patches(
     Ok(PatchRun { run: Run { assembly, transient, observables, summary }, cells, truncation })
 }
 
-/// The files that a result depends on.
-fn provenance(
-    document: &Document,
+/// The structure of `scenario`, whose files are looked for in `folder`, and its response.
+pub(super) fn respond(
     scenario: &StructureScenario,
-) -> Result<Provenance, SimulationError> {
-    let mut names: Vec<&String> = Vec::new();
-    for body in &scenario.bodies {
-        let matrices = &body.matrices;
-        names.push(&matrices.stiffness);
-        names.extend(matrices.mass.iter().chain(&matrices.rows).chain(&body.mesh));
-    }
-    names.extend(scenario.interfaces.iter().map(|patch| &patch.cells));
-    names.extend(scenario.loads.iter().filter_map(|load| load.file.as_ref()));
-    let samples = scenario.excitation.samples().map(|samples| samples.file.to_owned());
-    let names = names.into_iter().cloned().chain(samples);
-    let files = names.map(|name| InputFile::read(document.folder(), name.as_ref()));
-    Ok(Provenance::new(document, files.collect::<Result<_, _>>()?))
+    folder: &Path,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<(Assembly<PatchStructure>, Refined), SimulationError> {
+    let assembly = info_span!("assemble").in_scope(|| assemble_patches(scenario, folder))?;
+    progress(0.3);
+    let system = system(&assembly, Arc::clone(&assembly.structure.structure))?;
+    let found = refined(&assembly, &system, progress)?;
+    Ok((assembly, found))
 }
 
 fn system(
@@ -195,44 +184,50 @@ fn first_parts(assembly: &Assembly<PatchStructure>) -> usize {
     if step.is_finite() { (interval / step).ceil().max(1.0) as usize } else { 1 }
 }
 
-/// A response that is accurate enough, or as accurate as work allows.
-struct Refined {
-    transient: Transient,
-    cells: Vec<ContactExtremes>,
-    observables: Observables,
-    truncation: f64,
+/// A response with the extremes of its cells and its observables.
+pub(super) struct Response {
+    pub(super) transient: Transient,
+    pub(super) cells: Vec<ContactExtremes>,
+    pub(super) observables: Observables,
 }
 
-/// A response with its observables; none of a step that is too long.
-type Response = (Transient, Vec<ContactExtremes>, Observables);
+/// A response that is accurate enough, or as accurate as work allows, and its relative error by the modes left
+/// out.
+pub(super) struct Refined {
+    pub(super) response: Response,
+    pub(super) truncation: f64,
+}
 
-fn respond(
-    assembly: &Assembly<PatchStructure>,
-    system: &ManyContacts,
-    parts: usize,
-) -> Result<Response, SimulationError> {
-    let (transient, cells) = system.integrate_groups(&assembly.load, &assembly.sampling, parts)?;
-    let at_rest = assembly.structure.at_rest();
-    let observables = Observables::of_transient(assembly, &at_rest, &transient)?;
-    Ok((transient, cells, observables))
+impl Response {
+    fn new(
+        assembly: &Assembly<PatchStructure>,
+        system: &ManyContacts,
+        parts: usize,
+    ) -> Result<Self, SimulationError> {
+        let (transient, cells) =
+            system.integrate_groups(&assembly.load, &assembly.sampling, parts)?;
+        let at_rest = assembly.structure.at_rest();
+        let observables = Observables::of_transient(assembly, &at_rest, &transient)?;
+        Ok(Self { transient, cells, observables })
+    }
 }
 
 fn refined(
     assembly: &Assembly<PatchStructure>,
     system: &ManyContacts,
-    first: usize,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Refined, SimulationError> {
     let accuracy = assembly.accuracy;
     let samples = assembly.sampling.samples() as f64;
     let contacts = assembly.structure.structure.contacts().len() as f64;
+    let first = first_parts(assembly);
     let mut last: Option<Response> = None;
     let mut halvings = 0;
     loop {
         let parts = first << halvings;
         let may_halve =
             halvings < MOST_HALVINGS && 2.0 * samples * parts as f64 * contacts <= MOST_WORK;
-        let found = match respond(assembly, system, parts) {
+        let found = match Response::new(assembly, system, parts) {
             Err(SimulationError::Dynamics(
                 DynamicsError::Coarse { .. } | DynamicsError::Unstable { .. },
             )) if may_halve => {
@@ -242,24 +237,23 @@ fn refined(
             found => found?,
         };
         progress(0.3 + 0.6 * f64::from(halvings + 1) / f64::from(MOST_HALVINGS + 1));
-        let lost = found.1.iter().any(|one| one.lost > 0.0);
+        let lost = found.cells.iter().any(|one| one.lost > 0.0);
         let by_step = match &last {
             // Of second order while contact holds, of first where it is lost.
-            Some((_, _, coarser)) => ErrorEstimate::new(
-                found.2.all(),
-                coarser.all(),
+            Some(coarser) => ErrorEstimate::new(
+                found.observables.all(),
+                coarser.observables.all(),
                 if lost { 1.0 } else { 3.0 },
                 accuracy,
             ),
-            None => ErrorEstimate::unknown(found.2.all(), accuracy),
+            None => ErrorEstimate::unknown(found.observables.all(), accuracy),
         };
-        tracing::debug!(step_s = found.0.step, error_by_step = by_step.relative, "refined");
+        tracing::debug!(step_s = found.transient.step, error_by_step = by_step.relative, "refined");
         if by_step.relative <= STEP_SHARE * accuracy || !may_halve {
             let by_modes = truncation(assembly, parts, &found)?;
             let truncation = by_modes.relative;
-            let (transient, cells, observables) = found;
-            let observables = observables.with_estimate(by_step.plus(&by_modes));
-            return Ok(Refined { transient, cells, observables, truncation });
+            let observables = found.observables.with_estimate(by_step.plus(&by_modes));
+            return Ok(Refined { response: Response { observables, ..found }, truncation });
         }
         last = Some(found);
         halvings += 1;
@@ -277,7 +271,7 @@ fn truncation(
     let inert = modes.modes().iter().filter(|mode| !mode.massless).count();
     let fewer = (2 * inert / 3).max(LEAST_MODES);
     if fewer >= inert {
-        return Ok(ErrorEstimate::of_share(found.2.all(), 0.0, assembly.accuracy));
+        return Ok(ErrorEstimate::of_share(found.observables.all(), 0.0, assembly.accuracy));
     }
     let fewer = PreloadedStructure::of_components(
         modes.with_inertia_of(fewer),
@@ -285,6 +279,6 @@ fn truncation(
         asperity_structure::Damping::Rate(structure.damping_rate()),
     )?;
     let system = system(assembly, Arc::new(fewer))?;
-    let (_, _, other) = respond(assembly, &system, parts)?;
-    Ok(ErrorEstimate::new(found.2.all(), other.all(), 1.0, assembly.accuracy))
+    let other = Response::new(assembly, &system, parts)?.observables;
+    Ok(ErrorEstimate::new(found.observables.all(), other.all(), 1.0, assembly.accuracy))
 }

@@ -11,19 +11,19 @@ use asperity_matrices::{
 };
 use asperity_mesh::{ComponentModes, Port, PortPair, PortPattern, ReducedBody, SparseBody};
 use asperity_scenario::{
-    Along, DampingSpec, ExcitationSpec, LoadSamples, MatricesFormatSpec, MatrixBodySpec, PatchSpec,
-    PlaceSpec, StaticLoadSpec, StructureScenario,
+    Along, DampingSpec, ExcitationSpec, MatricesFormatSpec, MatrixBodySpec, PatchSpec, PlaceSpec,
+    StaticLoadSpec, StructureScenario,
 };
 use asperity_structure::{
-    LoadCase, PreloadedContact, PreloadedStructure, SampledFunction, StructureError,
-    UnloadedContact, contacts_at_rest,
+    LoadCase, PreloadedContact, PreloadedStructure, StructureError, UnloadedContact,
+    contacts_at_rest,
 };
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use tracing::info_span;
 
 use super::kept_reduction::{self, FOLDER, ReductionKey};
 use crate::accuracy::DEFAULT_ACCURACY;
-use crate::assemble::{Assembly, Interfaces, Sensor};
+use crate::assemble::{Assembly, Interfaces, Sensor, samples_of};
 use crate::error::SimulationError;
 use crate::shared_laws::shared_law;
 use crate::static_state::{StaticInterface, StaticSummary};
@@ -43,7 +43,7 @@ pub struct PatchStructure {
     pub patches: Vec<Patch>,
     /// Each patch as one contact of its whole area at its mean pressure.
     interfaces: Vec<PreloadedContact>,
-    /// Port of the excitation, and ports of the sensors.
+    /// Port of the excitation.
     pub load: usize,
     /// Ports of the sensors.
     pub sensors: Vec<usize>,
@@ -113,8 +113,8 @@ pub fn assemble_patches(
     }
     let time = internal.retardation_time().unwrap_or(0.0);
     let key = ReductionKey::new(folder, scenario)?;
+    // The files of a kept reduction were checked when it was made.
     let (ports, reduced) = if let Some(found) = kept_reduction::find(folder, &key) {
-        // What was reduced was checked.
         (Ports::new(scenario, folder, Vec::new())?, found)
     } else {
         let bodies = info_span!("read matrices").in_scope(|| {
@@ -128,7 +128,8 @@ pub fn assemble_patches(
     };
     let count = ports.patterns.len();
     let own: Vec<Vec<usize>> = (0..scenario.bodies.len()).map(|body| ports.of(body)).collect();
-    if reduced.iter().zip(&own).any(|(body, own)| body.residual.ports() != own.len()) {
+    let fits = |(body, own): (&ReducedBody, &Vec<usize>)| body.residual.ports() == own.len();
+    if reduced.len() != own.len() || !reduced.iter().zip(&own).all(fits) {
         let problem = "the kept reduction is not one of this structure";
         return Err(model("/bodies", problem, format!("a folder {FOLDER} that is removed")));
     }
@@ -202,16 +203,8 @@ fn load_case(
         let problem = "a motion of the base is not taken by structures of matrices";
         return Err(model("/excitation/kind", problem, "a force at a node"));
     }
-    let load = scenario.excitation.load_case_at(Port::Number(port), |file| {
-        let path = folder.join(file.file);
-        let samples = LoadSamples::read(&path, file.column);
-        let samples = match (samples, file.peak) {
-            (Ok(samples), Some(peak)) => samples.rescaled(peak),
-            (samples, _) => samples,
-        };
-        let samples = samples.map_err(|source| SimulationError::Samples { path, source })?;
-        Ok::<_, SimulationError>(SampledFunction::new(samples.time_s, samples.values)?)
-    })?;
+    let load =
+        scenario.excitation.load_case_at(Port::Number(port), |file| samples_of(file, folder))?;
     load.check()?;
     Ok(load)
 }
@@ -238,6 +231,7 @@ impl Body {
             MatricesFormatSpec::Calculix => MatricesFormat::Calculix,
             MatricesFormatSpec::Abaqus => MatricesFormat::Abaqus,
             MatricesFormatSpec::MatrixMarket => MatricesFormat::MatrixMarket,
+            MatricesFormatSpec::Nastran => MatricesFormat::Nastran,
             MatricesFormatSpec::Matlab => MatricesFormat::Matlab,
             MatricesFormatSpec::Npz => MatricesFormat::Npz,
         };

@@ -42,5 +42,10 @@ pub fn input_files(
             files.insert(samples.file.to_owned());
         }
     }
+    if let Some(scenario) =
+        document.has_matrices().then(|| document.structure_scenario().ok()).flatten()
+    {
+        files.extend(scenario.files().map(str::to_owned));
+    }
     files.iter().map(|file| InputFile::read(document.folder(), file.as_ref())).collect()
 }
