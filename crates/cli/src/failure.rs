@@ -51,7 +51,7 @@ pub(crate) enum Failure {
     Parts { failed: usize, of: String, first: String, reason: String },
     #[error("{reason}; nothing was written: {} keeps its earlier result", folder.display())]
     Kept { folder: PathBuf, reason: String },
-    #[error("{}: bodies of matrices are taken by check, modes, simulate and sweep; accepted by this command: bars", path.display())]
+    #[error("{}: bodies of matrices are taken by check, modes, simulate, steady, study and sweep; accepted by this command: bars", path.display())]
     OfMatrices { path: PathBuf },
     #[error("cannot start {threads} threads; accepted: 1 to 1024")]
     Threads { threads: usize },

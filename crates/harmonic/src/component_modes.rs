@@ -3,7 +3,7 @@
 use asperity_mesh::{ComponentModes, MeshError, NormalMode, PortPair};
 use asperity_structure::{DampedMode, Guide, PreloadedStructure, StructureError};
 use faer::Mat;
-use faer::linalg::solvers::{Solve, Svd};
+use faer::linalg::solvers::Svd;
 use num_complex::Complex64;
 
 use crate::modal_damping;
@@ -33,11 +33,31 @@ fn rigid_closures(modes: &ComponentModes) -> Mat<f64> {
     Mat::from_fn(pairs.len(), rigid.len(), |i, r| rigid[r].closure(pairs[i]))
 }
 
-/// Number of independent rigid motions that close some contact.
-fn held(closures: &Mat<f64>) -> usize {
-    let values = closures.singular_values().unwrap_or_default();
-    let largest = values.iter().copied().fold(0.0, f64::max);
-    values.iter().filter(|&&value| value > HELD * largest).count()
+/// The rigid motions that close some pair: with the singular value decomposition `Phi = U S V^T` of the closures
+/// of the rigid modes, those along the leading columns of V. The others move without any force of the contacts.
+struct HeldMotions {
+    svd: Svd<f64>,
+    count: usize,
+}
+
+impl HeldMotions {
+    fn new(closures: &Mat<f64>) -> Option<Self> {
+        let svd = Svd::new(closures.as_ref()).ok()?;
+        let values = svd.S().column_vector();
+        let size = values.nrows();
+        let largest = (0..size).map(|r| values[r]).fold(0.0, f64::max);
+        let count = (0..size).filter(|&r| values[r] > HELD * largest).count();
+        Some(Self { svd, count })
+    }
+
+    /// `Phi^+T` times the participations of some ports, a column each: the factors of the closures in the
+    /// ports' displacements.
+    fn weights(&self, shapes: &Mat<f64>) -> Mat<f64> {
+        let (u, values, v) = (self.svd.U(), self.svd.S().column_vector(), self.svd.V());
+        let along = v.transpose() * shapes;
+        let scaled = Mat::from_fn(self.count, shapes.ncols(), |r, p| along[(r, p)] / values[r]);
+        u.get(.., ..self.count) * scaled
+    }
 }
 
 /// Static flexibility of the elastic modes and the residual at `places`, per force of a pair.
@@ -110,11 +130,8 @@ impl LinearSystem for PreloadedStructure<ComponentModes> {
             port_closure: vec![0.0; entries],
             port_force: (0..entries).map(|at| -elastic[(n + at / n, at % n)]).collect(),
         };
-        let closures = rigid_closures(modes);
-        let Ok(svd) = Svd::new(closures.as_ref()) else {
-            return balance;
-        };
-        let (left, held) = (svd.U(), held(&closures));
+        let Some(motions) = HeldMotions::new(&rigid_closures(modes)) else { return balance };
+        let (left, held) = (motions.svd.U(), motions.count);
         for row in 0..n {
             for column in 0..n {
                 if row < held {
@@ -126,24 +143,34 @@ impl LinearSystem for PreloadedStructure<ComponentModes> {
                 }
             }
         }
-        if !rigid.is_empty() && held == rigid.len() {
-            // The rigid motions from the closures, Phi q = X0 + G P0, by least squares.
-            let squares = closures.transpose() * &closures;
-            let shapes =
-                Mat::from_fn(rigid.len(), ports.len(), |r, p| rigid[r].closure(places[n + p]));
-            let weights = &closures * squares.partial_piv_lu().solve(&shapes);
-            for at in 0..entries {
-                let (p, i) = (at / n, at % n);
-                balance.port_closure[at] = weights[(i, p)];
-                balance.port_force[at] +=
-                    (0..n).map(|row| weights[(row, p)] * elastic[(row, i)]).sum::<f64>();
-            }
+        // The rigid motions from the closures, Phi q = X0 + G P0; those that close nothing stay at rest.
+        let shapes = Mat::from_fn(rigid.len(), ports.len(), |r, p| rigid[r].closure(places[n + p]));
+        let weights = motions.weights(&shapes);
+        for at in 0..entries {
+            let (p, i) = (at / n, at % n);
+            balance.port_closure[at] = weights[(i, p)];
+            balance.port_force[at] +=
+                (0..n).map(|row| weights[(row, p)] * elastic[(row, i)]).sum::<f64>();
         }
         balance
     }
 
-    fn lowest_modes(&self, _count: usize) -> Result<ComponentModes, HarmonicError> {
-        Ok(self.component_modes().clone())
+    /// Rigid motions that close no contact are left out: no contact force changes them.
+    fn lowest_modes(&self, count: usize) -> Result<ComponentModes, HarmonicError> {
+        let all = self.component_modes();
+        let rigid = rigid_modes(all);
+        let Some(motions) = HeldMotions::new(&rigid_closures(all)) else { return Ok(all.clone()) };
+        let right = motions.svd.V();
+        let held = |r: usize| {
+            let port = |port| (0..rigid.len()).map(|m| right[(m, r)] * rigid[m].ports[port]).sum();
+            NormalMode { ports: (0..all.ports()).map(port).collect(), ..rigid[r].clone() }
+        };
+        let elastic = all.modes().iter().filter(|mode| mode.angular_frequency > 0.0);
+        let modes = (0..motions.count).map(held).chain(elastic.cloned()).collect();
+        let guides = all.guides().iter().map(|guide| guide.upper).collect();
+        let (residual, contacts) = (all.residual().clone(), all.contacts().to_vec());
+        let modes = ComponentModes::new(modes, residual, contacts, guides);
+        Ok(modes.map_err(StructureError::from)?.with_inertia_of(motions.count + count))
     }
 
     fn mass_damping(&self) -> f64 {
@@ -152,12 +179,6 @@ impl LinearSystem for PreloadedStructure<ComponentModes> {
 
     fn damped_modes(&self) -> &[DampedMode] {
         self.damped_modes()
-    }
-
-    fn check(&self) -> Result<(), HarmonicError> {
-        let closures = rigid_closures(self.component_modes());
-        let (free, held) = (closures.ncols(), held(&closures));
-        if held < free { Err(HarmonicError::Floating { free, held }) } else { Ok(()) }
     }
 }
 

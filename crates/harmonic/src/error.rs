@@ -62,16 +62,6 @@ pub enum HarmonicError {
     /// The structure at rest or its component modes cannot be computed.
     #[error(transparent)]
     Structure(#[from] StructureError),
-    /// A part of the structure moves freely and no contact holds it.
-    #[error(
-        "{free} rigid motions of the structure meet only {held} independent closures; each must be held by a contact"
-    )]
-    Floating {
-        /// Number of rigid motions.
-        free: usize,
-        /// Number of them that the contacts hold.
-        held: usize,
-    },
     /// A port is one of another kind of system.
     #[error(
         "{port:?} is no port of this system; accepted: ports of the stack for elastic bars, numbers of ports for component modes and a rigid mass"

@@ -46,8 +46,8 @@ use variational_equation::VariationalEquation;
 /// Settings of the stability analysis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Floquet {
-    /// Modes of the structure that disturbances are resolved in; the others are flexible but have
-    /// no motion of their own. A system of a few masses keeps all of its modes.
+    /// Modes of the structure that disturbances are resolved in, in component modes beside the rigid
+    /// motions; the others are flexible but have no motion of their own.
     pub modes: usize,
 }
 

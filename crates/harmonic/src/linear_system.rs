@@ -64,12 +64,4 @@ pub trait LinearSystem: Debug + Send + Sync {
     fn damped_modes(&self) -> &[DampedMode] {
         &[]
     }
-
-    /// Checks that a periodic motion exists; passes by default.
-    ///
-    /// # Errors
-    /// [`HarmonicError::Floating`] for rigid motions that no contact holds.
-    fn check(&self) -> Result<(), HarmonicError> {
-        Ok(())
-    }
 }

@@ -20,7 +20,8 @@ pub struct PressureRange {
     pub lowest: f64,
     /// Highest pressure \[Pa\].
     pub highest: f64,
-    /// Loss of contact within the period: the pressure of a law that separates is zero.
+    /// Loss of contact within the period: the pressure of a law that separates is zero, at a contact that is
+    /// closed at rest.
     pub contact_lost: bool,
 }
 
@@ -192,7 +193,9 @@ impl PeriodicResponse {
         PressureRange {
             lowest: pressure,
             highest: contact.pressure_at(highest),
-            contact_lost: contact.law().domain().separates() && pressure <= 0.0,
+            contact_lost: contact.gap() == 0.0
+                && contact.law().domain().separates()
+                && pressure <= 0.0,
         }
     }
 }

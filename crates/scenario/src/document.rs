@@ -178,8 +178,7 @@ impl Document {
 
     /// True if a body is given by matrices: the document is a [`StructureScenario`].
     pub fn has_matrices(&self) -> bool {
-        let bodies = self.value.get("bodies").and_then(Value::as_array);
-        bodies.is_some_and(|bodies| bodies.iter().any(|body| body.get("matrices").is_some()))
+        validate::has_matrices(&self.value)
     }
 
     /// Returns the scenario of a structure of matrices after all checks.
@@ -189,6 +188,18 @@ impl Document {
     pub fn structure_scenario(&self) -> Result<StructureScenario, InvalidDocument> {
         let conditions = validate::check_structure(&self.value, self.folder());
         self.checked(structure_schema(), conditions)
+    }
+
+    /// Checks the scenario, of bars or of a structure of matrices.
+    ///
+    /// # Errors
+    /// [`InvalidDocument`] with all faults, in the order of the text.
+    pub fn check_scenario(&self) -> Result<(), InvalidDocument> {
+        if self.has_matrices() {
+            self.structure_scenario().map(|_| ())
+        } else {
+            self.scenario().map(|_| ())
+        }
     }
 
     /// Deserialises the document after a check against `schema`, which is generated from `T`.

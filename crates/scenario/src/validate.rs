@@ -19,6 +19,7 @@ use crate::fault::Fault;
 use crate::pointer::JsonPointer;
 use crate::scenario::{Scenario, scenario_schema};
 use crate::schema_check::check_schema;
+use crate::structure_scenario::structure_schema;
 use crate::wording::count;
 use node::Node;
 
@@ -34,10 +35,22 @@ pub fn validate(scenario: &Scenario, folder: &Path) -> Vec<Diagnostic> {
     validate_json(&serde_json::to_value(scenario).unwrap_or_default(), folder)
 }
 
-/// Checks the JSON value of a scenario, as [`validate`] does.
+/// Checks the JSON value of a scenario, of bars or of a structure of matrices, as [`validate`] does.
 pub fn validate_json(scenario: &Value, folder: &Path) -> Vec<Diagnostic> {
-    let found = check_schema(scenario_schema(), scenario);
-    if found.is_empty() { check(scenario, folder) } else { found }
+    let is_structure = has_matrices(scenario);
+    let schema = if is_structure { structure_schema() } else { scenario_schema() };
+    let found = check_schema(schema, scenario);
+    match (found.is_empty(), is_structure) {
+        (false, _) => found,
+        (true, true) => check_structure(scenario, folder),
+        (true, false) => check(scenario, folder),
+    }
+}
+
+/// True if a body of a scenario is given by matrices.
+pub(crate) fn has_matrices(scenario: &Value) -> bool {
+    let bodies = scenario.get("bodies").and_then(Value::as_array);
+    bodies.is_some_and(|bodies| bodies.iter().any(|body| body.get("matrices").is_some()))
 }
 
 /// Faults that the schema cannot state.

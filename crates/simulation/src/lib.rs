@@ -40,6 +40,7 @@ pub mod provenance;
 pub mod quantity;
 pub mod record;
 mod response_parts;
+mod row_inputs;
 mod row_runner;
 pub mod row_simulator;
 pub mod run;

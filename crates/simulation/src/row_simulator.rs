@@ -8,9 +8,8 @@ use serde_json::Value;
 
 use crate::error::SimulationError;
 use crate::observables::Observables;
-use crate::prepared_scenario::PreparedScenario;
 use crate::quantity::frf_name;
-pub use crate::row_runner::Places;
+pub use crate::row_inputs::Places;
 use crate::row_runner::RowRunner;
 
 /// Runs one scenario with rows of values, each checked as a whole.
@@ -47,10 +46,8 @@ impl RowSimulator {
     /// # Errors
     /// [`SimulationError`] when the scenario itself cannot be set up.
     pub fn new(document: Document, places: Vec<Places>) -> Result<Self, SimulationError> {
-        let fault = |text: String| SimulationError::Scenario(text);
-        let scenario = document.scenario().map_err(|error| fault(error.to_string()))?;
-        let names = Arc::clone(&PreparedScenario::new(&scenario, document.folder())?.names);
         let runner = RowRunner::new(document, places, true);
+        let names = runner.names()?;
         Ok(Self { runner, columns: names.to_vec(), names })
     }
 

@@ -3,16 +3,18 @@
 mod bodies;
 mod check;
 mod settled;
+mod shaken;
 mod summary;
 mod table;
 mod time_sweep;
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_harmonic::{
-    Branch, ContactSystem, Continuation, Floquet, FourierResolution, HarmonicError,
-    HarmonicSettings, LawEvaluation, PeriodicResponse, PressureRange, StepControl,
+    Branch, Continuation, Floquet, FourierResolution, HarmonicError, HarmonicSettings,
+    LawEvaluation, PeriodicResponse, PressureRange, StepControl,
 };
 use asperity_structure::PreloadedContact;
 use rayon::prelude::*;
@@ -20,24 +22,27 @@ use serde::Serialize;
 
 use crate::assemble::Assembly;
 use crate::error::SimulationError;
-use crate::static_state::StaticSummary;
 use crate::warning::Warning;
 
 use bodies::BodyChoice;
 pub use bodies::{BodyModel, Condensation, CondensationReason, CondensedBody, LightBodies};
 pub use check::TimeCheck;
+pub(crate) use settled::{SAMPLES, periods_to_decay_at, settled_by};
 pub use settled::{SettledAmplitude, SteadyMotion, first_periods};
+pub use shaken::Shaken;
 pub use summary::{
     BackboneSummary, BackbonesSummary, BifurcationSummary, BranchSummary, LevelSummary,
     LoadAmplitude, STEADY_SCHEMA, SteadySummary, TerminationSummary, TimeSweepSummary,
 };
 pub use table::{backbone_table, steady_table, steady_time_table};
+pub(crate) use time_sweep::{SequenceRunner, sweeps_by};
 pub use time_sweep::{SweepDirection, TimeSweep, TimeSweepPoint, TimeSweepRequest, time_sweeps};
 
 /// Truncation that the automatic choice of harmonics aims at, and most harmonics. More would reach
 /// the modes of light samples, where branches with loss of contact fold without end.
 const TOLERANCE: f64 = 1e-5;
 const MOST_HARMONICS: usize = 30;
+const FEWEST_HARMONICS: usize = 3;
 
 /// Most points of a branch.
 const MOST_POINTS: usize = 10_000;
@@ -45,7 +50,7 @@ const MOST_POINTS: usize = 10_000;
 /// Most force amplitudes, most equations of a point, interfaces times Fourier coefficients, and most
 /// of amplitudes times the cube of the equations: hours at the most points.
 const MOST_AMPLITUDES: usize = 1000;
-const MOST_EQUATIONS: f64 = 2000.0;
+const MOST_EQUATIONS: usize = 2000;
 const MOST_WORK: f64 = 1e11;
 
 /// Samples per harmonic where the number of harmonics is given.
@@ -91,6 +96,8 @@ pub struct SteadyLevel {
     pub stability_unknown: Option<StabilityUnknown>,
     /// Warnings about the responses.
     pub warnings: Vec<Warning>,
+    /// Contacts of each interface, where it has several.
+    cells: Vec<Range<usize>>,
     /// Time of the computation \[s\].
     pub wall_s: f64,
 }
@@ -105,12 +112,24 @@ pub enum StabilityUnknown {
 }
 
 impl SteadyLevel {
-    /// Extremes of the pressure at each interface of the scenario over a response of the branch.
+    /// Extremes of the pressure at each interface of the scenario over a response of the branch; of a patch,
+    /// those of all of its cells.
     pub fn pressures(&self, response: &PeriodicResponse) -> Vec<PressureRange> {
-        match &self.condensed {
+        let all = match &self.condensed {
             Some(condensed) => condensed.light.pressures(response),
             None => response.pressures.clone(),
+        };
+        if self.cells.is_empty() {
+            return all;
         }
+        let widest = |cells: &Range<usize>| {
+            let cells = &all[cells.clone()];
+            let lowest = cells.iter().map(|one| one.lowest).fold(f64::INFINITY, f64::min);
+            let highest = cells.iter().map(|one| one.highest).fold(f64::NEG_INFINITY, f64::max);
+            let contact_lost = cells.iter().any(|one| one.contact_lost);
+            PressureRange { lowest, highest, contact_lost }
+        };
+        self.cells.iter().map(widest).collect()
     }
 }
 
@@ -178,7 +197,10 @@ impl Steady {
 /// assert!((1200.0..1900.0).contains(&peak.frequency_hz()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn steady(assembly: &Assembly, request: &SteadyRequest) -> Result<Steady, SimulationError> {
+pub fn steady<S: Shaken>(
+    assembly: &Assembly<S>,
+    request: &SteadyRequest,
+) -> Result<Steady, SimulationError> {
     steady_with_progress(assembly, request, &|| ())
 }
 
@@ -186,22 +208,21 @@ pub fn steady(assembly: &Assembly, request: &SteadyRequest) -> Result<Steady, Si
 ///
 /// # Errors
 /// Those of [`steady`].
-pub fn steady_with_progress(
-    assembly: &Assembly,
+pub fn steady_with_progress<S: Shaken>(
+    assembly: &Assembly<S>,
     request: &SteadyRequest,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Steady, SimulationError> {
     let started = Instant::now();
     let _stage = tracing::info_span!("continue branches").entered();
     check_range(request)?;
-    check_work(assembly.structure.contacts().len(), request)?;
     let evaluation = LawEvaluation::default();
-    let system = ContactSystem::of_structure(&assembly.structure, evaluation)?
-        .with_ports(assembly.load.port(), &assembly.sensor_ports())?;
+    let system = S::contact_system(assembly, evaluation)?;
+    let most = check_work(system.contacts().len(), request)?;
     let highest = request.from_hz.max(request.to_hz);
-    let light = LightBodies::of(assembly, highest, request.bodies, evaluation)?.map(Arc::new);
+    let light = S::light_bodies(assembly, highest, request.bodies, evaluation)?.map(Arc::new);
     let choice = BodyChoice { elastic: &system, light: light.as_ref(), model: request.bodies };
-    let settings = settings(request);
+    let settings = settings(request, most);
     let levels = request
         .amplitudes
         .par_iter()
@@ -218,7 +239,7 @@ pub fn steady_with_progress(
     }
     let backbones = request.backbone.then(|| backbones(assembly, &choice, request, &settings));
     let range = (request.from_hz, request.to_hz);
-    let sweeps = |sweep| time_sweeps(assembly, &request.amplitudes, range, sweep);
+    let sweeps = |sweep| S::time_sweeps(assembly, &request.amplitudes, range, sweep);
     let time_sweeps = request.time_sweep.map(sweeps).transpose()?.unwrap_or_default();
     Ok(Steady {
         levels,
@@ -254,16 +275,18 @@ fn check_range(request: &SteadyRequest) -> Result<(), HarmonicError> {
     Ok(())
 }
 
-/// Refuses requests whose work exceeds the bounds.
-fn check_work(interfaces: usize, request: &SteadyRequest) -> Result<(), HarmonicError> {
-    let harmonics = request.harmonics.unwrap_or(MOST_HARMONICS);
+/// The most harmonics of so many contacts; refuses requests whose work exceeds the bounds.
+fn check_work(contacts: usize, request: &SteadyRequest) -> Result<usize, HarmonicError> {
+    let possible = (MOST_EQUATIONS / contacts).saturating_sub(1) / 2;
+    let harmonics = request.harmonics.unwrap_or(MOST_HARMONICS.min(possible.max(FEWEST_HARMONICS)));
     let amplitudes = request.amplitudes.len() as f64;
-    let equations = (interfaces * (2 * harmonics + 1)) as f64;
+    let equations = (contacts * (2 * harmonics + 1)) as f64;
+    let limit = MOST_EQUATIONS as f64;
     let checks = [
         ("number of force amplitudes", amplitudes, MOST_AMPLITUDES as f64, "at most 1000"),
-        ("number of interfaces times (2 harmonics + 1)", equations, MOST_EQUATIONS, "at most 2000"),
+        ("number of contacts times (2 harmonics + 1)", equations, limit, "at most 2000"),
         (
-            "number of force amplitudes times the cube of interfaces (2 harmonics + 1)",
+            "number of force amplitudes times the cube of contacts (2 harmonics + 1)",
             amplitudes * equations.powi(3),
             MOST_WORK,
             "at most 1e11",
@@ -273,25 +296,25 @@ fn check_work(interfaces: usize, request: &SteadyRequest) -> Result<(), Harmonic
         Some((quantity, value, _, accepted)) => {
             Err(HarmonicError::Setting { quantity, value, accepted })
         }
-        None => Ok(()),
+        None => Ok(harmonics),
     }
 }
 
-fn settings(request: &SteadyRequest) -> HarmonicSettings {
+fn settings(request: &SteadyRequest, most: usize) -> HarmonicSettings {
     let resolution = match request.harmonics {
         Some(harmonics) => FourierResolution::Fixed {
             harmonics,
             samples: (SAMPLES_PER_HARMONIC * harmonics).max(64),
         },
-        None => FourierResolution::Automatic { tolerance: TOLERANCE, most: MOST_HARMONICS },
+        None => FourierResolution::Automatic { tolerance: TOLERANCE, most },
     };
     let steps = StepControl { points: MOST_POINTS, ..StepControl::default() };
     let stability = Some(Floquet::default());
     HarmonicSettings { resolution, steps, stability, until_contact_lost: false }
 }
 
-fn level(
-    assembly: &Assembly,
+fn level<S: Shaken>(
+    assembly: &Assembly<S>,
     choice: &BodyChoice<'_>,
     request: &SteadyRequest,
     settings: &HarmonicSettings,
@@ -302,7 +325,7 @@ fn level(
     let (outcome, condensed) = choice.trace(&path, settings);
     let wall_s = started.elapsed().as_secs_f64();
     let check = match outcome.as_ref().ok().and_then(TimeCheck::place) {
-        Some(peak) if request.verify => Some(TimeCheck::of(assembly, peak)?),
+        Some(peak) if request.verify => Some(S::time_check(assembly, peak)?),
         _ => None,
     };
     let points = outcome.as_ref().map_or(&[][..], |branch| &branch.points);
@@ -314,9 +337,10 @@ fn level(
         check,
         stability_unknown: unknown.then_some(StabilityUnknown::FastMode),
         warnings: Vec::new(),
+        cells: assembly.structure.cells(),
         wall_s,
     };
-    level.warnings = warnings(&level, assembly.structure.contacts());
+    level.warnings = warnings(&level, assembly.structure.interfaces());
     Ok(level)
 }
 
@@ -336,14 +360,14 @@ fn warnings(level: &SteadyLevel, contacts: &[PreloadedContact]) -> Vec<Warning> 
 }
 
 /// Phase resonance up to the largest force, and the damped mode up to the amplitude reached there.
-fn backbones(
-    assembly: &Assembly,
+fn backbones<S: Shaken>(
+    assembly: &Assembly<S>,
     choice: &BodyChoice<'_>,
     request: &SteadyRequest,
     settings: &HarmonicSettings,
 ) -> Backbones {
     let middle = 0.5 * (request.from_hz + request.to_hz);
-    let near = StaticSummary::of(assembly).natural_frequency_hz.unwrap_or(middle);
+    let near = assembly.structure.natural_frequency_hz().unwrap_or(middle);
     let largest = request.amplitudes.iter().copied().fold(0.0, f64::max);
     let settings = HarmonicSettings { stability: None, ..*settings };
     let path = Continuation::PhaseResonance { near, from: LOWEST_FORCE * largest, to: largest };

@@ -19,7 +19,6 @@ use std::sync::atomic::AtomicBool;
 use asperity_scenario::Document;
 
 use crate::error::SimulationError;
-use crate::patches;
 use crate::row_runner::RowRunner;
 use plan::checked_runs;
 use variation::chosen_values;
@@ -63,19 +62,14 @@ pub fn sweep_with_progress(
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Sweep, SweepError> {
     let values = |run: usize| chosen_values(run, variations);
-    let rows = if document.has_matrices() {
-        let count = number_of_runs(variations)?;
-        let pointers: Vec<&str> = variations.iter().map(|one| one.pointer.as_str()).collect();
-        patches::rows::rows(document, &pointers, count, values, &|done| progress(done, count))
-    } else {
-        let count = tracing::info_span!("check").in_scope(|| checked_runs(document, variations))?;
-        let _stage = tracing::info_span!("integrate and analyse").entered();
-        let places = variations.iter().map(|variation| vec![variation.pointer.clone()]).collect();
-        let runner = RowRunner::new(document.clone(), places, false);
-        let never = AtomicBool::new(false);
-        let rows = runner.run(count, values, &never, &|done| progress(done, count));
-        rows.unwrap_or_default()
-    };
+    let count = tracing::info_span!("check").in_scope(|| checked_runs(document, variations))?;
+    let stage = tracing::info_span!("integrate and analyse").entered();
+    let places = variations.iter().map(|variation| vec![variation.pointer.clone()]).collect();
+    let runner = RowRunner::new(document.clone(), places, false);
+    let never = AtomicBool::new(false);
+    let rows = runner.run(count, values, &never, &|done| progress(done, count));
+    let rows = rows.unwrap_or_default();
+    drop(stage);
     let named = rows.iter().find_map(|row| row.as_ref().ok());
     let columns = named.map_or_else(|| Arc::from([]), |(names, _)| Arc::clone(names));
     let mut warnings = Vec::new();

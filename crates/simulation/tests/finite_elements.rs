@@ -12,18 +12,25 @@ use std::sync::Arc;
 
 use asperity_dynamics::{Batch, Modal, ModalModel, Sampling, TransientCase};
 use asperity_harmonic::{
-    ContactSystem, Continuation, FourierResolution, HarmonicSettings, LawEvaluation, SystemPort,
-    trace,
+    ContactSystem, Continuation, FourierResolution, HarmonicSettings, LawEvaluation,
+    PeriodicResponse, SystemPort, trace,
 };
 use asperity_law::{ContactLaw, Power};
 use asperity_mesh::{
     Body, ComponentModes, Interface, ModeCount, Port, ResidualFlexibility, Stack, Support,
 };
 use asperity_scenario::Document;
-use asperity_simulation::patches::{PatchRun, assemble_patches, patch_modes, simulate_patches};
+use asperity_simulation::patches::{
+    PatchRun, assemble_patches, patch_modes, simulate_patches, steady_cells,
+};
 use asperity_simulation::record::history_columns;
+use asperity_simulation::row_simulator::RowSimulator;
+use asperity_simulation::steady::{
+    BodyModel, SteadyRequest, SweepDirection, TimeSweepRequest, steady, steady_table,
+};
 use asperity_simulation::sweep::{Variation, sweep};
 use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
+use serde_json::Value;
 use tempfile::TempDir;
 
 const SCENARIO: &str = r#"{"schema": "asperity/scenario/1",
@@ -242,20 +249,7 @@ fn bars_given_as_matrices_are_bars() {
 
     // The force on the first coordinate is one of 1/sqrt(m) per newton on the centre of the guide bar; the
     // same load acts on a port of that shape.
-    let mut shaped = modes.modes().to_vec();
-    for (number, mode) in shaped.iter_mut().enumerate() {
-        mode.ports.push(if number == 0 { 1.0 } else { 0.0 });
-    }
-    let ports = modes.ports();
-    let contacts = modes.contacts().to_vec();
-    let zero = ResidualFlexibility::zero(ports + 1);
-    let shaped = ComponentModes::new(shaped, zero, contacts, Vec::new()).unwrap();
-    let structure = PreloadedStructure::of_components(
-        shaped,
-        expected.contacts().to_vec(),
-        Damping::Rate(352.0),
-    )
-    .unwrap();
+    let (structure, ports) = (shaped_bars(352.0), modes.ports());
     let model = Arc::new(ModalModel::new(structure, ports, &[ports]).unwrap());
     let pulse = LoadCase::force(TimeFunction::GammaPulse { rise: 0.34e-3 }, 10.0);
     let (step, sensor, tolerance) = (Some(2.5e-7), 0, None);
@@ -267,6 +261,109 @@ fn bars_given_as_matrices_are_bars() {
     let scale = largest(bar);
     let off = own.iter().zip(bar).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
     assert!(off < 2e-4 * scale, "{:e}", off / scale);
+}
+
+/// The bars of [`bars`], with a port that the first mode alone moves.
+fn shaped_bars(damping: f64) -> PreloadedStructure<ComponentModes> {
+    let (stack, modes) = bars();
+    let expected = PreloadedStructure::new(stack, Damping::Rate(damping)).unwrap();
+    let mut shaped = modes.modes().to_vec();
+    for (number, mode) in shaped.iter_mut().enumerate() {
+        mode.ports.push(if number == 0 { 1.0 } else { 0.0 });
+    }
+    let zero = ResidualFlexibility::zero(modes.ports() + 1);
+    let shaped = ComponentModes::new(shaped, zero, modes.contacts().to_vec(), Vec::new()).unwrap();
+    let contacts = expected.contacts().to_vec();
+    PreloadedStructure::of_components(shaped, contacts, Damping::Rate(damping)).unwrap()
+}
+
+fn steady_request(amplitude: f64) -> SteadyRequest {
+    SteadyRequest {
+        amplitudes: vec![amplitude],
+        from_hz: 700.0,
+        to_hz: 1000.0,
+        harmonics: Some(6),
+        backbone: true,
+        verify: true,
+        bodies: BodyModel::Auto,
+        time_sweep: Some(TimeSweepRequest { direction: SweepDirection::Up, frequencies: 4 }),
+    }
+}
+
+/// Steady responses of bars given as matrices: those of the bars' own modes, and time integration's.
+#[test]
+fn bars_given_as_matrices_vibrate_as_bars() {
+    let folder = tempfile::tempdir().unwrap();
+    write_files(folder.path(), &bars().1);
+    let document = Document::parse(BARS, folder.path().join("bars.json")).unwrap();
+    let scenario = document.structure_scenario().unwrap();
+    let assembly = assemble_patches(&scenario, document.folder()).unwrap();
+    let request = steady_request(0.5);
+    let found = steady(&assembly, &request).unwrap();
+    let level = &found.levels[0];
+    let own = level.outcome.as_ref().unwrap();
+
+    let structure = shaped_bars(352.0);
+    let port = SystemPort::Number(structure.component_modes().ports() - 1);
+    let system = ContactSystem::of_structure(&structure, LawEvaluation::default()).unwrap();
+    let system = system.with_ports(port, &[port]).unwrap();
+    let resolution = FourierResolution::Fixed { harmonics: 6, samples: 96 };
+    let settings = HarmonicSettings { resolution, ..HarmonicSettings::default() };
+    let range = Continuation::Frequency { force: 0.5, from: 700.0, to: 1000.0 };
+    let bar = trace(&system, &range, &settings).unwrap();
+    let [own_peak, peak] = [own, &bar].map(|branch| branch.highest().unwrap());
+    assert!((own_peak.frequency_hz() / peak.frequency_hz() - 1.0).abs() < 1e-8);
+    assert!((own_peak.amplitude(1) / peak.amplitude(1) - 1.0).abs() < 1e-8);
+    assert!(own_peak.amplitude(2) > 1e-3 * own_peak.amplitude(1));
+
+    let check = level.check.unwrap();
+    assert!(check.settled && check.relative_difference < 1e-4, "{check:?}");
+    let sweep = found.time_sweeps[0].outcome.as_ref().unwrap();
+    let amplitudes: Vec<f64> = sweep.iter().map(|point| point.amplitude_1_m).collect();
+    let nearest = |hz: f64| {
+        let off = |point: &&PeriodicResponse| (point.frequency_hz() - hz).abs();
+        own.points.iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap().amplitude(1)
+    };
+    for (point, amplitude) in sweep.iter().zip(&amplitudes) {
+        let off = amplitude / nearest(point.frequency_hz) - 1.0;
+        assert!(off.abs() < 0.05, "{point:?} {off}");
+    }
+    let backbones = found.backbones.as_ref().unwrap();
+    assert!(backbones.mode.is_ok() && backbones.phase_resonance.is_ok());
+    let cells = steady_cells(&assembly.structure, &found).to_csv();
+    assert_eq!(cells.lines().count(), 3, "{cells}");
+    let table = steady_table(&found, &["upper", "lower"]).to_csv();
+    assert!(table.lines().next().unwrap().contains("upper:pressure_min_pa"), "{table}");
+}
+
+/// Rows of values are the runs of the scenarios with these values.
+#[test]
+fn rows_of_structures_are_their_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    write_files(folder.path(), &bars().1);
+    let document = Document::parse(BARS, folder.path().join("bars.json")).unwrap();
+    let places = ["/excitation/peak_n", "/laws/pl/coefficient"];
+    let of_places = places.map(|place| vec![place.to_owned()]).to_vec();
+    let simulator = RowSimulator::new(document.clone(), of_places).unwrap();
+    let simulator = simulator.with_frf(vec![500.0, 900.0]);
+    let rows = [[5.0, 1.81e10], [15.0, 1.81e10], [5.0, 1.5e10]];
+    let values: Vec<Vec<Value>> = rows.iter().map(|row| row.map(Value::from).to_vec()).collect();
+    let mut values = values.clone();
+    values.push(vec![Value::from(-1.0), Value::from(0.0)]);
+    let found = simulator.run(&values);
+    let column = simulator.columns().iter().position(|name| name == "fundamental.frequency_hz");
+    for (row, one) in rows.iter().zip(&found) {
+        let one = one.as_ref().unwrap();
+        let mut changed = document.clone();
+        for (place, value) in places.iter().zip(row) {
+            changed.set(place, &value.to_string()).unwrap();
+        }
+        let alone = simulate(&changed).run.summary.fundamental.unwrap().frequency_hz;
+        assert_eq!(one.values[column.unwrap()], alone);
+        assert!(one.frf.iter().all(|magnitude| *magnitude > 0.0));
+    }
+    let fault = found[3].as_ref().unwrap_err().to_string();
+    assert!(fault.contains("coefficient"), "{fault}");
 }
 
 /// Faults are named with their place in the scenario, or their file and line.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_law::{ContactDamping, ContactLaw, Friction};
+use asperity_law::{ContactDamping, ContactLaw, Friction, Pressure};
 
 use crate::StructureError;
 
@@ -147,11 +147,16 @@ impl PreloadedContact {
 
     /// Pressure \[Pa\] at a closure increment from rest \[m\].
     pub fn pressure_at(&self, closure: f64) -> f64 {
+        self.pressure + self.pressure_increment(closure).value
+    }
+
+    /// Pressure increment \[Pa\], and tangent \[Pa/m\], at a closure increment from rest \[m\].
+    pub fn pressure_increment(&self, closure: f64) -> Pressure {
         let from_contact = closure - self.gap;
         if self.gap > 0.0 && from_contact <= 0.0 {
-            return 0.0;
+            return Pressure { value: 0.0, tangent: 0.0 };
         }
-        self.pressure + self.law.pressure_increment(self.pressure, from_contact).value
+        self.law.pressure_increment(self.pressure, from_contact)
     }
 
     /// Stiffness of the contact as a linear spring, `K(p0) S` \[N/m\].

@@ -18,7 +18,8 @@ use crate::failure::Failure;
 /// Number of cells with the highest pressures that are named.
 const NAMED_CELLS: usize = 3;
 
-fn checked(document: &Document) -> Result<StructureScenario, Failure> {
+/// The scenario of a structure, checked.
+pub(super) fn checked(document: &Document) -> Result<StructureScenario, Failure> {
     document.structure_scenario().map_err(|source| Failure::Invalid {
         kind: "scenario",
         text: document.text().to_owned(),

@@ -1,12 +1,15 @@
 //! `asperity steady`.
 
 use asperity_plot::{self as plot, steady_words};
+use asperity_scenario::Document;
 use asperity_simulation::assemble::Assembly;
+use asperity_simulation::error::SimulationError;
+use asperity_simulation::patches::{assemble_patches, steady_cells};
 use asperity_simulation::provenance::Provenance;
 use asperity_simulation::static_state::StaticSummary;
 use asperity_simulation::steady::{
-    LevelSummary, SteadyRequest, SteadySummary, TimeSweepRequest, backbone_table, steady_table,
-    steady_time_table, steady_with_progress,
+    LevelSummary, Shaken, Steady, SteadyRequest, SteadySummary, TimeSweepRequest, backbone_table,
+    steady_table, steady_time_table, steady_with_progress,
 };
 use asperity_structure::PreloadedContact;
 use serde_json::{Value, json};
@@ -24,10 +27,39 @@ pub(crate) fn run(
     quiet: bool,
 ) -> Result<(), Failure> {
     let document = super::read(input)?;
+    let request = request(range);
+    if document.has_matrices() {
+        let scenario = super::patches::checked(&document)?;
+        let assembly = assemble_patches(&scenario, document.folder())?;
+        let (at_rest, title) = (assembly.structure.at_rest(), scenario.title.clone());
+        let provenance = || Provenance::of_structure(&document, &scenario);
+        let cells = |found: &Steady| Some(steady_cells(&assembly.structure, found).to_csv());
+        let own =
+            Own { document: &document, title, at_rest, provenance: &provenance, cells: &cells };
+        return follow(&assembly, &request, own, output, threads, quiet);
+    }
     let scenario = super::checked(&document)?;
     let assembly = Assembly::new(&scenario, document.folder())?;
     super::show_unusual_values(&assembly, quiet);
-    let request = SteadyRequest {
+    let (at_rest, title) = (StaticSummary::of(&assembly), scenario.title.clone());
+    let provenance = || Provenance::of_scenario(&document, &scenario);
+    let own =
+        Own { document: &document, title, at_rest, provenance: &provenance, cells: &|_| None };
+    follow(&assembly, &request, own, output, threads, quiet)
+}
+
+/// What the results of a scenario say about it.
+struct Own<'a> {
+    document: &'a Document,
+    title: Option<String>,
+    at_rest: StaticSummary,
+    provenance: &'a dyn Fn() -> Result<Provenance, SimulationError>,
+    /// The cells of its patches in the highest responses, if it has some.
+    cells: &'a dyn Fn(&Steady) -> Option<String>,
+}
+
+fn request(range: &SteadyRange) -> SteadyRequest {
+    SteadyRequest {
         amplitudes: range.amplitude.clone(),
         from_hz: range.from,
         to_hz: range.to,
@@ -39,10 +71,22 @@ pub(crate) fn run(
             direction: direction.into(),
             frequencies: range.sweep_points,
         }),
-    };
+    }
+}
+
+/// Follows the branches of an assembled scenario, and writes them.
+fn follow<S: Shaken>(
+    assembly: &Assembly<S>,
+    request: &SteadyRequest,
+    own: Own<'_>,
+    output: &Output,
+    threads: Option<usize>,
+    quiet: bool,
+) -> Result<(), Failure> {
+    let document = own.document;
     let folder = ResultFolder::claim("steady", document.path(), output)?;
     let bar = crate::progress::bar(request.amplitudes.len() as u64, "amplitudes", quiet);
-    let work = || steady_with_progress(&assembly, &request, &|| bar.inc(1));
+    let work = || steady_with_progress(assembly, request, &|| bar.inc(1));
     let found = super::on_threads(threads, work);
     bar.finish_and_clear();
     let found = found??;
@@ -75,12 +119,12 @@ pub(crate) fn run(
             let levels = earlier["levels"].as_array();
             levels.is_some_and(|levels| levels.iter().all(|level| level.get("error").is_none()))
         };
-        let own = ("steady", "summary.json");
-        folder.beside_finished("partial", is_finished, own, document.path(), output)?
+        let files = ("steady", "summary.json");
+        folder.beside_finished("partial", is_finished, files, document.path(), output)?
     };
 
     let names: Vec<&str> =
-        assembly.structure.contacts().iter().map(PreloadedContact::name).collect();
+        assembly.structure.interfaces().iter().map(PreloadedContact::name).collect();
     folder.write("steady.csv", steady_table(&found, &names).to_csv())?;
     if let Some(backbones) = &found.backbones {
         folder.write("backbone.csv", backbone_table(backbones, found.is_base_motion).to_csv())?;
@@ -92,9 +136,11 @@ pub(crate) fn run(
     if let Some(figure) = &figure {
         folder.draw("steady", figure)?;
     }
-    let at_rest = StaticSummary::of(&assembly);
-    let provenance = Provenance::of_scenario(&document, &scenario)?;
-    let summary = SteadySummary::new(scenario.title, at_rest, &found, provenance);
+    if let Some(cells) = (own.cells)(&found) {
+        folder.write("cells.csv", cells)?;
+    }
+    let provenance = (own.provenance)()?;
+    let summary = SteadySummary::new(own.title, own.at_rest, &found, provenance);
     folder.write("report.html", plot::steady_report(&summary, figure.as_ref()))?;
     let folder = folder.finish("summary.json", &json!(summary), output.json)?;
     if !output.json && !quiet {

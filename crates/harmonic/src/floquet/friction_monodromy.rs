@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use faer::Mat;
 
-use super::runge_kutta::{Coefficients, RungeKutta, add, identity};
+use super::runge_kutta::{Coefficients, RungeKutta, identity};
 use super::stick_slip::{ElementPhases, Phase, StickSlip};
-use super::variational_equation::VariationalEquation;
+use super::variational_equation::{VariationalEquation, add};
 use crate::ContactSystem;
 use crate::factorization::Factorization;
 

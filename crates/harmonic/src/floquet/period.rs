@@ -3,6 +3,7 @@
 use super::variational_equation::VariationalEquation;
 use crate::ContactSystem;
 use crate::fourier::{Fourier, rate_of};
+use crate::vector_instructions::vectorised;
 
 /// Stiffness of the contacts, residual flexibility in series, at places of a period: so many in
 /// each of its equal steps, the same ones in every step.
@@ -139,18 +140,22 @@ impl Period {
     pub(super) fn condense(&mut self, variation: &mut VariationalEquation) {
         let (n, count) = (self.interfaces, self.steps * self.places.len());
         self.stiffness.resize(count * n * n, 0.0);
-        for (place, out) in self.stiffness.chunks_exact_mut(n * n).enumerate() {
-            variation.stiffness(|i| self.tangents[i * count + place], out);
-        }
-        if self.dampers.is_empty() && !variation.is_retarded() {
-            return;
-        }
-        self.damping.resize(count * n * n, 0.0);
-        let places = self.stiffness.chunks_exact(n * n).zip(self.damping.chunks_exact_mut(n * n));
-        for (place, (stiffness, out)) in places.enumerate() {
-            let damper = |i: usize| self.dampers.get(i * count + place).copied().unwrap_or(0.0);
-            variation.damping(damper, stiffness, out);
-        }
+        let dissipates = !self.dampers.is_empty() || variation.is_retarded();
+        self.damping.resize(if dissipates { count * n * n } else { 0 }, 0.0);
+        let Self { tangents, dampers, stiffness, damping, .. } = self;
+        vectorised(
+            #[inline(always)]
+            || {
+                for (place, out) in stiffness.chunks_exact_mut(n * n).enumerate() {
+                    variation.stiffness(|i| tangents[i * count + place], out);
+                }
+                let places = stiffness.chunks_exact(n * n).zip(damping.chunks_exact_mut(n * n));
+                for (place, (stiffness, out)) in places.enumerate() {
+                    let damper = |i: usize| dampers.get(i * count + place).copied().unwrap_or(0.0);
+                    variation.damping(damper, stiffness, out);
+                }
+            },
+        );
     }
 }
 

@@ -188,32 +188,37 @@ impl VariationalEquation {
     /// contacts in the closures, `(1 + R K_c)^-1 = 1 - R K` with the `stiffness` K of
     /// [`stiffness`](Self::stiffness), D the retardation of the static modes. Of first order in the
     /// damping times the residual flexibility.
+    #[inline(always)]
     pub(super) fn damping(
         &self,
         dampers: impl Fn(usize) -> f64,
         stiffness: &[f64],
         out: &mut [f64],
     ) {
-        let (n, flexibility) = (self.interfaces(), &self.flexibility);
-        let share = |i: usize, j: usize| {
-            let lost: f64 = (0..n).map(|l| flexibility[i][l] * stiffness[l * n + j]).sum();
-            if i == j { 1.0 - lost } else { -lost }
-        };
+        let n = self.interfaces();
         out.fill(0.0);
-        for l in 0..n {
+        let mut row = vec![0.0; n];
+        for (l, flexibility) in self.flexibility.iter().enumerate() {
             let damper = dampers(l);
-            for i in 0..n {
-                for j in 0..n {
-                    out[i * n + j] += share(l, i) * damper * share(l, j);
-                }
+            if damper == 0.0 {
+                continue;
+            }
+            row.fill(0.0);
+            row[l] = 1.0;
+            for (r, k) in flexibility.iter().zip(stiffness.chunks_exact(n)) {
+                add(&mut row, -r, k);
+            }
+            for (share, to) in row.iter().zip(out.chunks_exact_mut(n)) {
+                add(to, damper * share, &row);
             }
         }
-        for (place, retardation) in self.retardation.iter().enumerate() {
-            let (l, m) = (place / n, place % n);
-            for i in 0..n {
-                for j in 0..n {
-                    out[i * n + j] += stiffness[l * n + i] * retardation * stiffness[m * n + j];
-                }
+        for (l, retardation) in self.retardation.chunks_exact(n).enumerate() {
+            row.fill(0.0);
+            for (d, k) in retardation.iter().zip(stiffness.chunks_exact(n)) {
+                add(&mut row, *d, k);
+            }
+            for (k, to) in stiffness[l * n..][..n].iter().zip(out.chunks_exact_mut(n)) {
+                add(to, *k, &row);
             }
         }
     }
@@ -222,6 +227,7 @@ impl VariationalEquation {
     ///
     /// The residual flexibility is positive, so that elimination needs no exchanges: in the order
     /// of the rows, `1 + K_c R` keeps positive pivots.
+    #[inline(always)]
     pub(super) fn stiffness(&mut self, tangents: impl Fn(usize) -> f64, out: &mut [f64]) {
         let n = self.interfaces();
         if n == 1 {
@@ -251,19 +257,29 @@ impl VariationalEquation {
         }
         for column in 0..n {
             let pivot = self.matrix[column * width + column];
-            for j in column..width {
-                self.matrix[column * width + j] /= pivot;
-            }
-            for row in (0..n).filter(|&row| row != column) {
-                let factor = self.matrix[row * width + column];
-                for j in column..width {
-                    self.matrix[row * width + j] -= factor * self.matrix[column * width + j];
+            let (above, rest) = self.matrix.split_at_mut(column * width);
+            let (own, below) = rest.split_at_mut(width);
+            // Columns beyond that of the unit matrix in this row are zero.
+            let used = column..n + column + 1;
+            own[used.clone()].iter_mut().for_each(|entry| *entry /= pivot);
+            for row in above.chunks_exact_mut(width).chain(below.chunks_exact_mut(width)) {
+                let factor = row[column];
+                if factor != 0.0 {
+                    add(&mut row[used.clone()], -factor, &own[used.clone()]);
                 }
             }
         }
         for i in 0..n {
             out[i * n..(i + 1) * n].copy_from_slice(&self.matrix[i * width + n..(i + 1) * width]);
         }
+    }
+}
+
+/// Adds a multiple of `what`.
+#[inline(always)]
+pub(super) fn add(to: &mut [f64], factor: f64, what: &[f64]) {
+    for (t, w) in to.iter_mut().zip(what) {
+        *t += factor * w;
     }
 }
 

@@ -7,8 +7,7 @@ use asperity_harmonic::{
     RigidMass, StepControl, Termination, trace,
 };
 use asperity_law::Hyperbolic;
-use asperity_mesh::{ComponentModes, NormalMode, PortPair, ResidualFlexibility};
-use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
+use asperity_structure::PreloadedContact;
 
 use crate::rigs::{AREA, Law, MASS, PRESSURE, mass_on, reference_law};
 
@@ -137,13 +136,4 @@ fn systems_that_do_not_fit_are_errors() {
     assert!(matches!(error, HarmonicError::NoStiffness { .. }));
     let error = on(vec![at(PRESSURE)], LawEvaluation::Tabulated(f64::NAN)).unwrap_err();
     assert!(matches!(error, HarmonicError::Law { .. }));
-    // Two rigid bodies, one of which the contact does not touch.
-    let bodies = vec![NormalMode::rigid(vec![1.0]), NormalMode::rigid(vec![0.0])];
-    let contacts = vec![PortPair::on_ground(0)];
-    let modes = ComponentModes::new(bodies, ResidualFlexibility::zero(1), contacts, vec![]);
-    let modes = modes.unwrap();
-    let damping = Damping::Rate(0.0);
-    let floating = PreloadedStructure::of_components(modes, vec![at(PRESSURE)], damping).unwrap();
-    let error = ContactSystem::of_structure(&floating, LawEvaluation::Exact).unwrap_err();
-    assert_eq!(error, HarmonicError::Floating { free: 2, held: 1 });
 }

@@ -9,6 +9,7 @@ mod damped_contacts;
 mod errors;
 mod friction;
 mod friction_stability;
+mod gaps;
 mod integration;
 mod koopman_hill;
 mod linear;

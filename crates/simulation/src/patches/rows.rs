@@ -1,50 +1,119 @@
-//! Rows of a sweep of a structure of matrices.
+//! Rows of a sweep or a study of a structure of matrices.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_scenario::Document;
+use asperity_mesh::Port;
+use asperity_scenario::StructureScenario;
 use rayon::prelude::*;
 
-use super::run::respond;
+use super::run::{Refined, respond};
+use super::structure::{PatchStructure, assemble_patches};
+use crate::assemble::{Assembly, samples_of};
 use crate::error::SimulationError;
 use crate::observables::Observables;
 use crate::quantity::observable_names;
+use crate::row_inputs::{RowInputs, magnitudes, receptance_of};
 
 /// Names of the numbers of a row, and the row.
-pub(crate) type PatchRow = Result<(Arc<[String]>, Observables), SimulationError>;
+type Row = (Arc<[String]>, Observables);
 
-/// The rows of a sweep, row `n` with the values `values(n)` at `pointers`. The first runs alone, so that the
-/// others find its reduction.
-pub(crate) fn rows<'a>(
-    document: &Document,
-    pointers: &[&str],
-    count: usize,
-    values: impl Fn(usize) -> Vec<&'a str> + Sync,
-    progress: &(dyn Fn(usize) + Sync),
-) -> Vec<PatchRow> {
-    let done = AtomicUsize::new(0);
-    let row = |number: usize| {
-        let row = one(document, pointers, &values(number));
-        progress(done.fetch_add(1, Ordering::Relaxed) + 1);
-        row
-    };
-    let mut rows: Vec<PatchRow> = (0..count.min(1)).map(row).collect();
-    rows.par_extend((1..count.max(1)).into_par_iter().map(row));
-    rows
+/// Assembled structures that are kept for other rows.
+const MOST_KEPT: usize = 16;
+
+/// Runs rows of a structure of matrices; those that differ in the force alone share one assembly.
+#[derive(Debug, Default)]
+pub(crate) struct PatchRows {
+    kept: Mutex<HashMap<Vec<String>, Arc<Prepared>>>,
 }
 
-fn one(document: &Document, pointers: &[&str], values: &[&str]) -> PatchRow {
-    let mut document = document.clone();
-    for (pointer, value) in pointers.iter().zip(values) {
-        document.set(pointer, value)?;
+#[derive(Debug)]
+struct Prepared {
+    assembly: Assembly<PatchStructure>,
+    names: Arc<[String]>,
+}
+
+impl Prepared {
+    fn new(scenario: &StructureScenario, folder: &Path) -> Result<Self, SimulationError> {
+        let interfaces: Vec<&str> = scenario.interfaces.iter().map(|one| &*one.name).collect();
+        let further: Vec<&str> = scenario.sensors.iter().skip(1).map(|one| &*one.name).collect();
+        let names = observable_names(&interfaces, &further, false).into();
+        Ok(Self { assembly: assemble_patches(scenario, folder)?, names })
     }
-    let scenario = document
-        .structure_scenario()
-        .map_err(|error| SimulationError::Scenario(error.to_string()))?;
-    let (_, found) = respond(&scenario, document.folder(), &|_| ())?;
-    let interfaces: Vec<&str> = scenario.interfaces.iter().map(|one| one.name.as_str()).collect();
-    let sensors = scenario.sensors.iter().skip(1);
-    let further: Vec<&str> = sensors.map(|sensor| sensor.name.as_str()).collect();
-    Ok((observable_names(&interfaces, &further, false).into(), found.response.observables))
+}
+
+impl PatchRows {
+    /// Rows, as [`RowRunner::run`](crate::row_runner::RowRunner::run) has them. The first runs alone, so that
+    /// the others find its reduction.
+    pub(crate) fn run<T: AsRef<str>>(
+        &self,
+        (inputs, frequencies): (&RowInputs, &[f64]),
+        count: usize,
+        row: impl Fn(usize) -> Vec<T> + Sync,
+        stop: &AtomicBool,
+        progress: &(dyn Fn(usize) + Sync),
+    ) -> Option<Vec<Result<Row, SimulationError>>> {
+        let done = AtomicUsize::new(0);
+        let one = |number: usize| {
+            if stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            let found = self.one(inputs, frequencies, &row(number));
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
+            Some(found)
+        };
+        let first: Option<Vec<_>> = (0..count.min(1)).map(one).collect();
+        let others: Option<Vec<_>> = (1..count.max(1)).into_par_iter().map(one).collect();
+        Some(first?.into_iter().chain(others?).collect())
+    }
+
+    /// Names of the numbers of the scenario as it is.
+    pub(crate) fn names(&self, inputs: &RowInputs) -> Result<Arc<[String]>, SimulationError> {
+        let scenario = inputs.scenario::<&str, StructureScenario>(&[])?;
+        Ok(Prepared::new(&scenario, inputs.folder())?.names)
+    }
+
+    fn one<T: AsRef<str>>(
+        &self,
+        inputs: &RowInputs,
+        frequencies: &[f64],
+        row: &[T],
+    ) -> Result<Row, SimulationError> {
+        inputs.check(row)?;
+        let folder = inputs.folder();
+        let prepared = self.prepared(inputs, row)?;
+        let mut assembly = prepared.assembly.clone();
+        let port = Port::Number(assembly.structure.load);
+        let excitation = inputs.excitation(row)?;
+        assembly.load = excitation.load_case_at(port, |file| samples_of(file, folder))?;
+        assembly.load.check()?;
+        let Refined { response, .. } = respond(&assembly, &|_| ())?;
+        let mut found = response.observables;
+        let (history, rate) = (&response.transient.history, assembly.sampling.rate());
+        let receptance = || Some(receptance_of(history, rate, frequencies));
+        found.frf = magnitudes(frequencies, receptance);
+        Ok((Arc::clone(&prepared.names), found))
+    }
+
+    /// The assembled structure of a row.
+    fn prepared<T: AsRef<str>>(
+        &self,
+        inputs: &RowInputs,
+        row: &[T],
+    ) -> Result<Arc<Prepared>, SimulationError> {
+        // The place of the force is a port of the structure.
+        let key = inputs.of_structure(row, |place| place.starts_with("/excitation/at"));
+        let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = kept().get(&key) {
+            return Ok(Arc::clone(found));
+        }
+        let prepared = Arc::new(Prepared::new(&inputs.scenario(row)?, inputs.folder())?);
+        let mut all = kept();
+        if all.len() >= MOST_KEPT {
+            all.clear();
+        }
+        Ok(Arc::clone(all.entry(key).or_insert(prepared)))
+    }
 }

@@ -4,7 +4,6 @@
 //! of two thirds of the modes shows the error by the modes left out, whose flexibility is kept and
 //! whose inertia is not.
 
-use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -126,7 +125,9 @@ pub fn simulate_patches(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<PatchRun, SimulationError> {
     let started = Instant::now();
-    let (assembly, found) = respond(scenario, document.folder(), progress)?;
+    let folder = document.folder();
+    let assembly = info_span!("assemble").in_scope(|| assemble_patches(scenario, folder))?;
+    let found = respond(&assembly, progress)?;
     let Refined { response: Response { transient, cells, observables }, truncation } = found;
     for warning in &observables.warnings {
         tracing::warn!("{warning}");
@@ -153,20 +154,17 @@ pub fn simulate_patches(
     Ok(PatchRun { run: Run { assembly, transient, observables, summary }, cells, truncation })
 }
 
-/// The structure of `scenario`, whose files are looked for in `folder`, and its response.
+/// The response of an assembled structure.
 pub(super) fn respond(
-    scenario: &StructureScenario,
-    folder: &Path,
+    assembly: &Assembly<PatchStructure>,
     progress: &(dyn Fn(f64) + Sync),
-) -> Result<(Assembly<PatchStructure>, Refined), SimulationError> {
-    let assembly = info_span!("assemble").in_scope(|| assemble_patches(scenario, folder))?;
+) -> Result<Refined, SimulationError> {
     progress(0.3);
-    let system = system(&assembly, Arc::clone(&assembly.structure.structure))?;
-    let found = refined(&assembly, &system, progress)?;
-    Ok((assembly, found))
+    refined(assembly, &system(assembly, Arc::clone(&assembly.structure.structure))?, progress)
 }
 
-fn system(
+/// The system that time integration steps, with an interface for each patch.
+pub(super) fn system(
     assembly: &Assembly<PatchStructure>,
     structure: Arc<PreloadedStructure<asperity_mesh::ComponentModes>>,
 ) -> Result<ManyContacts, SimulationError> {

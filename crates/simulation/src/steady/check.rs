@@ -102,15 +102,26 @@ impl TimeCheck {
             finer *= 0.5;
             fine = settled(FiniteDifference { cell: finer, ..method })?;
         }
+        Ok(Self::between(response, [coarse, fine], 1))
+    }
+
+    /// The check of a response by integrations with two steps, of which the second is shorter, by a method
+    /// whose error falls with this power of the step.
+    pub(crate) fn between(
+        response: &PeriodicResponse,
+        [coarse, fine]: [SettledAmplitude; 2],
+        order: i32,
+    ) -> Self {
         let amplitude_1_m = response.at_sensor(0, 1).norm();
         let all = [coarse.motion, fine.motion];
         let of = |motion| all.contains(&motion).then_some(motion);
         let unsettled = of(SteadyMotion::NonPeriodic).or(of(SteadyMotion::NotSettled));
         let motion = unsettled.unwrap_or(SteadyMotion::Periodic);
-        let change = (fine.amplitude_1_m - coarse.amplitude_1_m) / (coarse.step_s - fine.step_s);
-        let correction = if unsettled.is_none() { change * fine.step_s } else { 0.0 };
+        let error = |one: &SettledAmplitude| one.step_s.powi(order);
+        let change = (fine.amplitude_1_m - coarse.amplitude_1_m) / (error(&coarse) - error(&fine));
+        let correction = if unsettled.is_none() { change * error(&fine) } else { 0.0 };
         let integrated_1_m = fine.amplitude_1_m + correction;
-        Ok(Self {
+        Self {
             frequency_hz: response.frequency_hz(),
             amplitude_1_m,
             integrated_1_m,
@@ -118,6 +129,6 @@ impl TimeCheck {
             settled: unsettled.is_none(),
             motion,
             scatter: coarse.scatter.max(fine.scatter),
-        })
+        }
     }
 }

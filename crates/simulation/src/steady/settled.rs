@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use asperity_dynamics::{DynamicsError, Integrator, Sampling};
+use asperity_dynamics::{DynamicsError, Integrator, Sampling, Transient};
+use asperity_mesh::Port;
 use asperity_structure::{LoadCase, TimeFunction};
 use num_complex::Complex64;
 use serde::Serialize;
@@ -10,7 +11,7 @@ use serde::Serialize;
 use crate::assemble::Assembly;
 
 /// Samples a period.
-const SAMPLES: usize = 64;
+pub(crate) const SAMPLES: usize = 64;
 
 /// The first integration lasts until the transient of free bodies has fallen to this share.
 const REMAINS: f64 = 1e-6;
@@ -74,44 +75,62 @@ impl SettledAmplitude {
         amplitude: f64,
         frequency: f64,
     ) -> Result<Self, DynamicsError> {
-        let mut periods = first_periods(assembly, frequency);
-        let (mut before, mut stalled) = (f64::INFINITY, 0);
-        let shaker = LoadCase::force(TimeFunction::Harmonic { frequency }, amplitude);
-        let shaker = shaker.at(assembly.load.port());
+        let periods = first_periods(assembly, frequency);
         let sensor = &assembly.sensor_ports()[..1];
-        loop {
-            let sampling = Sampling::new(periods / frequency, SAMPLES as f64 * frequency)?;
-            let done = method.integrate(&assembly.structure, &shaker, sensor, &sampling)?;
-            let found = Fundamentals::of(&done.history.sensors[0].displacement);
-            stalled = if found.scatter > 0.5 * before { stalled + 1 } else { 0 };
-            before = found.scatter;
-            let motion = if found.scatter <= SETTLED {
-                SteadyMotion::Periodic
-            } else if stalled >= STALLED {
-                SteadyMotion::NonPeriodic
-            } else {
-                SteadyMotion::NotSettled
-            };
-            if motion != SteadyMotion::NotSettled || periods >= MOST_PERIODS {
-                let periodic = motion == SteadyMotion::Periodic;
-                let amplitude_1_m = if periodic { found.last } else { found.mean };
-                let (step_s, scatter) = (done.step, found.scatter);
-                return Ok(Self { amplitude_1_m, step_s, motion, scatter });
-            }
-            periods = (2.0 * periods).min(MOST_PERIODS);
+        let integrate = |load: &LoadCase, sampling: &Sampling| {
+            method.integrate(&assembly.structure, load, sensor, sampling)
+        };
+        settled_by(integrate, assembly.load.port(), (amplitude, frequency), periods)
+    }
+}
+
+/// The fundamental of the first sensor of `integrate` under a force of this amplitude \[N\] and frequency \[Hz\]
+/// at `port`, over so many periods at first.
+pub(crate) fn settled_by(
+    integrate: impl Fn(&LoadCase, &Sampling) -> Result<Transient, DynamicsError>,
+    port: Port,
+    (amplitude, frequency): (f64, f64),
+    mut periods: f64,
+) -> Result<SettledAmplitude, DynamicsError> {
+    let (mut before, mut stalled) = (f64::INFINITY, 0);
+    let shaker = LoadCase::force(TimeFunction::Harmonic { frequency }, amplitude).at(port);
+    loop {
+        let sampling = Sampling::new(periods / frequency, SAMPLES as f64 * frequency)?;
+        let done = integrate(&shaker, &sampling)?;
+        let found = Fundamentals::of(&done.history.sensors[0].displacement);
+        stalled = if found.scatter > 0.5 * before { stalled + 1 } else { 0 };
+        before = found.scatter;
+        let motion = if found.scatter <= SETTLED {
+            SteadyMotion::Periodic
+        } else if stalled >= STALLED {
+            SteadyMotion::NonPeriodic
+        } else {
+            SteadyMotion::NotSettled
+        };
+        if motion != SteadyMotion::NotSettled || periods >= MOST_PERIODS {
+            let periodic = motion == SteadyMotion::Periodic;
+            let amplitude_1_m = if periodic { found.last } else { found.mean };
+            let (step_s, scatter) = (done.step, found.scatter);
+            return Ok(SettledAmplitude { amplitude_1_m, step_s, motion, scatter });
         }
+        periods = (2.0 * periods).min(MOST_PERIODS);
     }
 }
 
 /// Periods at `frequency` \[Hz\] until the transient has fallen to a millionth, 20 to 8000: the transient of
 /// free bodies, or of the lowest mode where contacts are damped.
 pub fn first_periods(assembly: &Assembly, frequency: f64) -> f64 {
-    periods_to_decay(assembly, frequency, REMAINS).clamp(FEWEST_PERIODS, MOST_PERIODS).ceil()
+    periods_to_decay_at(slowest_rate(assembly), frequency)
 }
 
-/// Periods at `frequency` \[Hz\] until the transient of [`first_periods`] has fallen to `remains`; infinite
-/// without damping.
-pub(super) fn periods_to_decay(assembly: &Assembly, frequency: f64, remains: f64) -> f64 {
+/// Periods at `frequency` \[Hz\] until a transient that decays at `rate` \[1/s\] has fallen to a millionth, 20 to
+/// 8000.
+pub(crate) fn periods_to_decay_at(rate: f64, frequency: f64) -> f64 {
+    (-REMAINS.ln() * frequency / rate).clamp(FEWEST_PERIODS, MOST_PERIODS).ceil()
+}
+
+/// Rate \[1/s\] at which the transient of [`first_periods`] decays.
+pub(super) fn slowest_rate(assembly: &Assembly) -> f64 {
     let structure = &assembly.structure;
     let mut rate = 0.5 * structure.damping_rate();
     if structure.contacts().iter().any(|contact| contact.damping().is_some())
@@ -120,7 +139,7 @@ pub(super) fn periods_to_decay(assembly: &Assembly, frequency: f64, remains: f64
         let slowest = modes.iter().map(|mode| TAU * mode.frequency_hz * mode.damping_ratio);
         rate = slowest.fold(rate, f64::max);
     }
-    -remains.ln() * frequency / rate
+    rate
 }
 
 /// Fundamentals of the periods in the last quarter of some samples.

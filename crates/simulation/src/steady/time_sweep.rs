@@ -9,8 +9,8 @@ use asperity_dynamics::{
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use super::settled::periods_to_decay;
-use asperity_structure::{LoadCase, SteppedSine, TimeFunction};
+use super::settled::slowest_rate;
+use asperity_structure::{LoadCase, SteppedSine, StructureError, TimeFunction};
 
 use crate::assemble::Assembly;
 
@@ -129,6 +129,29 @@ pub fn time_sweeps(
     range: (f64, f64),
     request: TimeSweepRequest,
 ) -> Result<Vec<TimeSweep>, DynamicsError> {
+    let runner = Runner::new(assembly, range.0.min(range.1), range.0.max(range.1))?;
+    sweeps_by(&runner, amplitudes, range, request)
+}
+
+/// Integrates sequences of frequencies, one sequence for each force amplitude \[N\].
+pub(crate) trait SequenceRunner: Sync {
+    /// Rate \[1/s\] at which transients decay.
+    fn decay_rate(&self) -> f64;
+
+    /// Sequences that run side by side.
+    fn room(&self) -> usize;
+
+    /// The displacement at the first sensor under each sequence, with its step \[s\].
+    fn run(&self, sequences: &[(SteppedSine, f64)]) -> Vec<Result<(Vec<f64>, f64), DynamicsError>>;
+}
+
+/// As [`time_sweeps`], by any integration.
+pub(crate) fn sweeps_by(
+    runner: &dyn SequenceRunner,
+    amplitudes: &[f64],
+    range: (f64, f64),
+    request: TimeSweepRequest,
+) -> Result<Vec<TimeSweep>, DynamicsError> {
     let count = request.frequencies;
     if !(2..=TimeSweepRequest::MOST_FREQUENCIES).contains(&count) {
         let (quantity, value) = ("number of frequencies", count as f64);
@@ -143,12 +166,15 @@ pub fn time_sweeps(
         SweepDirection::Down => &[false],
         SweepDirection::Both => &[true, false],
     };
-    let runner = Runner::new(assembly, low, high)?;
+    let first_periods = |frequency: f64| {
+        let decay = -REMAINS.ln() * frequency / runner.decay_rate();
+        (decay.ceil() as usize).saturating_add(EVALUATED).clamp(FEWEST_PERIODS, MOST_PERIODS)
+    };
     let mut lanes: Vec<Lane> = Vec::new();
     for &force_n in amplitudes {
         for &up in directions {
             let frequencies = if up { &rising } else { &falling };
-            let periods = |&hz: &f64| (hz, runner.first_periods(hz));
+            let periods = |&hz: &f64| (hz, first_periods(hz));
             let parts = frequencies.iter().map(periods).collect();
             lanes.push(Lane { force_n, rising: up, parts, found: None });
         }
@@ -156,7 +182,7 @@ pub fn time_sweeps(
     for _ in 0..=DOUBLINGS {
         let mut open: Vec<&mut Lane> =
             lanes.iter_mut().filter_map(|lane| lane.is_open().then_some(lane)).collect();
-        open.par_chunks_mut(runner.batch.room()).for_each(|lanes| runner.run(lanes));
+        open.par_chunks_mut(runner.room().max(1)).for_each(|lanes| run(runner, lanes));
     }
     let sweep = |lane: Lane| TimeSweep {
         force_n: lane.force_n,
@@ -195,7 +221,30 @@ impl Lane {
     }
 }
 
-/// Model, step and vector instructions of all sweeps.
+/// Runs sweeps side by side.
+fn run(runner: &dyn SequenceRunner, lanes: &mut [&mut Lane]) {
+    let sequence = |lane: &&mut Lane| Ok((SteppedSine::new(&lane.parts)?, lane.force_n));
+    let sequences: Result<Vec<_>, StructureError> = lanes.iter().map(sequence).collect();
+    let sequences = match sequences.map_err(DynamicsError::from) {
+        Ok(sequences) => sequences,
+        Err(error) => {
+            for lane in lanes.iter_mut() {
+                lane.found = Some(Err(error.clone()));
+            }
+            return;
+        }
+    };
+    for ((lane, (sequence, _)), response) in
+        lanes.iter_mut().zip(&sequences).zip(runner.run(&sequences))
+    {
+        let points = |(displacement, step): (Vec<f64>, f64)| {
+            points(&lane.parts, sequence, (&displacement, step))
+        };
+        lane.found = Some(response.map(points));
+    }
+}
+
+/// Model, step and vector instructions of all sweeps of a stack.
 struct Runner<'a> {
     assembly: &'a Assembly,
     template: TransientCase,
@@ -218,39 +267,31 @@ impl<'a> Runner<'a> {
         template.step = Some(STEP * step);
         Ok(Self { assembly, template, batch: Batch::default() })
     }
+}
 
-    fn first_periods(&self, frequency: f64) -> usize {
-        let decay = periods_to_decay(self.assembly, frequency, REMAINS);
-        (decay.ceil() as usize).saturating_add(EVALUATED).clamp(FEWEST_PERIODS, MOST_PERIODS)
+impl SequenceRunner for Runner<'_> {
+    fn decay_rate(&self) -> f64 {
+        slowest_rate(self.assembly)
     }
 
-    /// Runs sweeps side by side.
-    fn run(&self, lanes: &mut [&mut Lane]) {
+    fn room(&self) -> usize {
+        self.batch.room()
+    }
+
+    fn run(&self, sequences: &[(SteppedSine, f64)]) -> Vec<Result<(Vec<f64>, f64), DynamicsError>> {
         let every_step = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });
-        let sequence = |lane: &&mut Lane| SteppedSine::new(&lane.parts);
-        let sequences: Result<Vec<SteppedSine>, _> = lanes.iter().map(sequence).collect();
-        let sequences = match sequences.map_err(DynamicsError::from) {
-            Ok(sequences) => sequences,
-            Err(error) => {
-                for lane in lanes.iter_mut() {
-                    lane.found = Some(Err(error.clone()));
-                }
-                return;
-            }
-        };
         // Lanes run together as long as the longest; the others stay at their last frequency.
-        let duration = sequences.iter().map(SteppedSine::end).fold(0.0, f64::max);
+        let duration = sequences.iter().map(|(sequence, _)| sequence.end()).fold(0.0, f64::max);
         let port = self.template.load.port();
-        let case = |(sequence, lane): (&SteppedSine, &&mut Lane)| {
+        let case = |(sequence, force_n): &(SteppedSine, f64)| {
             let function = TimeFunction::SteppedSine(sequence.clone());
-            let load = LoadCase::force(function, lane.force_n).at(port);
+            let load = LoadCase::force(function, *force_n).at(port);
             TransientCase { load, duration, ..self.template.clone() }
         };
-        let cases: Vec<TransientCase> = sequences.iter().zip(lanes.iter()).map(case).collect();
+        let cases: Vec<TransientCase> = sequences.iter().map(case).collect();
         let responses = self.batch.run(&cases, &|_, _| Arc::clone(&every_step));
-        for ((lane, sequence), response) in lanes.iter_mut().zip(&sequences).zip(responses) {
-            lane.found = Some(response.map(|response| points(&lane.parts, sequence, &response)));
-        }
+        let samples = |response: CaseResponse| (response.displacement, response.step);
+        responses.into_iter().map(|response| response.map(samples)).collect()
     }
 }
 
@@ -258,7 +299,7 @@ impl<'a> Runner<'a> {
 fn points(
     parts: &[(f64, usize)],
     sequence: &SteppedSine,
-    response: &CaseResponse,
+    response: (&[f64], f64),
 ) -> Vec<TimeSweepPoint> {
     let point = |(place, &(frequency_hz, periods)): (usize, &(f64, usize))| {
         let start = sequence.start(place).unwrap_or(f64::NAN);
@@ -284,22 +325,21 @@ fn points(
     parts.iter().enumerate().map(point).collect()
 }
 
-/// Complex amplitude of `frequency` \[Hz\] in the displacement over a window of Hann, which begins `from`
+/// Complex amplitude of `frequency` \[Hz\] in a displacement with its step \[s\] over a window of Hann, which begins `from`
 /// after `start` and is `length` long \[s\]; phases count from `start`.
 fn fourier(
-    response: &CaseResponse,
+    (displacement, h): (&[f64], f64),
     (start, from, length): (f64, f64, f64),
     frequency: f64,
 ) -> Complex64 {
-    let h = response.step;
     let first = ((start + from) / h).ceil().max(0.0) as usize;
-    let last = (((start + from + length) / h).floor() as usize).min(response.displacement.len());
+    let last = (((start + from + length) / h).floor() as usize).min(displacement.len());
     let (mut sum, mut weights) = (Complex64::ZERO, 0.0);
     for n in first..last {
         let time = n as f64 * h - start;
         let weight = (PI * (time - from) / length).sin().powi(2);
         let turn = Complex64::from_polar(weight, -TAU * frequency * time);
-        sum += turn * response.displacement[n];
+        sum += turn * displacement[n];
         weights += weight;
     }
     sum * (2.0 / weights)

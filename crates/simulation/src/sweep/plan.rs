@@ -1,6 +1,6 @@
 //! The check of a sweep before the first run.
 
-use asperity_scenario::{Document, InvalidDocument, SetError};
+use asperity_scenario::{Document, InvalidDocument, SetError, StructureScenario};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -116,8 +116,8 @@ pub(super) fn checked_runs(
             texts.join(", ")
         };
         let changed = set(values).map_err(|source| SweepError::Set { values: named(), source })?;
-        let checked = changed.scenario();
-        checked.map(|_| ()).map_err(|source| SweepError::Invalid { values: named(), source })
+        let checked = changed.check_scenario();
+        checked.map_err(|source| SweepError::Invalid { values: named(), source })
     })?;
     let every = combinations.len().div_ceil(ESTIMATED).max(1);
     let ends = combinations.iter().step_by(every).chain(combinations.last());
@@ -137,6 +137,15 @@ pub(super) fn checked_runs(
 /// Steps times unknowns of a run, and its number of observables; a run that cannot be set up has its
 /// own error later.
 fn size(document: &Document) -> Result<(f64, usize), SimulationError> {
+    if document.has_matrices() {
+        // Steps are chosen from modes, which take a reduction: samples are the least.
+        let scenario: StructureScenario = serde_json::from_value(document.value().clone())
+            .map_err(|error| SimulationError::Scenario(error.to_string()))?;
+        let further = scenario.sensors.len() - 1;
+        let interfaces = Observable::all(scenario.interfaces.len()).len();
+        let observables = interfaces + further * Quantity::features().count();
+        return Ok((scenario.duration_s * scenario.output_rate_hz, observables));
+    }
     let scenario = serde_json::from_value(document.value().clone())
         .map_err(|error| SimulationError::Scenario(error.to_string()))?;
     let assembly = Assembly::new(&scenario, document.folder())?;

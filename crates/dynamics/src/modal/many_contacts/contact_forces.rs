@@ -100,11 +100,7 @@ impl ContactForces {
 
 /// Force increment and stiffness by the law itself.
 fn exact(contact: &PreloadedContact, x: f64, area: f64) -> (f64, f64) {
-    let from_contact = x - contact.gap();
-    if contact.gap() > 0.0 && from_contact <= 0.0 {
-        return (0.0, 0.0);
-    }
-    let found = contact.law().pressure_increment(contact.pressure(), from_contact);
+    let found = contact.pressure_increment(x);
     (area * found.value, area * found.tangent)
 }
 
