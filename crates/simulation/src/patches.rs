@@ -2,18 +2,23 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`structure`] | files of a scenario to a structure at rest, with its ports |
+//! | `body` | files of a body |
+//! | [`ports`] | cells of patches, loads, excitation and sensors as ports of the bodies |
+//! | [`structure`] | a scenario to a structure at rest |
 //! | [`kept_reduction`] | reductions kept on disk under what they depend on |
 //! | [`run`] | transient runs |
 //! | `rows` | rows of a sweep |
 //! | [`modes`] | linearised modes |
 
+mod body;
 pub mod kept_reduction;
 pub mod modes;
+pub mod ports;
 pub(crate) mod rows;
 pub mod run;
 pub mod structure;
 
 pub use modes::{PatchModes, patch_modes};
+pub use ports::Patch;
 pub use run::{CellSummary, PatchRun, simulate_patches};
-pub use structure::{Patch, PatchStructure, assemble_patches};
+pub use structure::{PatchStructure, assemble_patches};
