@@ -14,7 +14,7 @@ mod keyword;
 mod parser;
 mod sets;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use crate::text::Content;
@@ -133,6 +133,33 @@ impl Deck {
         })
     }
 
+    /// Free faces of solid elements all nodes of which are in a set, in the order of the elements.
+    ///
+    /// # Errors
+    /// Those of [`Self::node_set`].
+    pub fn faces_on(&self, name: &str) -> Result<Vec<SurfaceFace>, MatricesError> {
+        let set = self.node_set(name)?;
+        let within = |node: &i64| set.binary_search(node).is_ok();
+        let mut faces = Vec::new();
+        // Faces by their corners: two elements share a face inside the mesh.
+        let mut seen: HashMap<Vec<i64>, usize> = HashMap::new();
+        for MeshElement { number, kind, nodes } in &self.elements {
+            for face in 1..=kind.faces() {
+                let Some(positions) = kind.face(face) else { continue };
+                let nodes: Vec<i64> = positions.iter().map(|position| nodes[*position]).collect();
+                if nodes.iter().all(within) {
+                    let face = SurfaceFace { element: *number, face: face as u8, nodes };
+                    let mut corners = face.corners().to_vec();
+                    corners.sort_unstable();
+                    *seen.entry(corners.clone()).or_default() += 1;
+                    faces.push((face, corners));
+                }
+            }
+        }
+        let free = faces.into_iter().filter(|(_, corners)| seen[corners] == 1);
+        Ok(free.map(|(face, _)| face).collect())
+    }
+
     /// Names of the node sets.
     pub fn node_set_names(&self) -> impl Iterator<Item = &str> {
         self.node_sets.keys().map(String::as_str)
@@ -161,8 +188,12 @@ impl Deck {
     ) -> Result<&'a T, MatricesError> {
         const MOST: usize = 20;
         map.get(&name.to_uppercase()).ok_or_else(|| {
-            let mut names: Vec<&str> = map.keys().take(MOST).map(String::as_str).collect();
+            // The nearest names first, where there are too many to list.
+            let mut names: Vec<&str> = map.keys().map(String::as_str).collect();
             if map.len() > MOST {
+                let upper = name.to_uppercase();
+                names.sort_by_key(|known| strsim::damerau_levenshtein(known, &upper));
+                names.truncate(MOST);
                 names.push("...");
             }
             let what = format!("{}: no {kind} {name}", self.file);

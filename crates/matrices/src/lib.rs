@@ -20,7 +20,8 @@
 //!
 //! [`read_reduced`] takes a reduced model: dense matrices with the closure rows `W` of contact cells.
 //! [`read_cells`] and [`read_loads`] take the cells of contact patches and nodal forces from CSV;
-//! [`Deck`] holds nodes, elements, sets and surfaces of an input deck of CalculiX or Abaqus.
+//! [`Deck`] holds nodes, elements, sets and surfaces of an input deck of CalculiX or Abaqus, and
+//! [`SurfaceCells`] divides the contact between two surfaces into cells.
 //!
 //! # Units
 //! Matrices are in the units of their files. [`Matrices::convert`] and [`Deck::convert`] turn them into
@@ -36,11 +37,13 @@ mod abaqus;
 mod arrays;
 mod calculix;
 mod cells;
+mod contact_surface;
 mod deck;
 mod dense;
 mod dof;
 mod element_kind;
 mod error;
+mod face_shape;
 mod findings;
 mod labelled;
 mod matlab;
@@ -50,13 +53,16 @@ mod nastran;
 mod nodes;
 mod npz;
 mod number_type;
+mod polygon;
 mod reduced;
 mod rigid_motions;
 mod sparse;
+mod surface_cells;
 mod text;
 mod units;
 
 pub use cells::{CellWeight, ContactCell, NodalForce, read_cells, read_loads};
+pub use contact_surface::ContactSurface;
 pub use deck::{Deck, MeshElement, SurfaceFace};
 pub use dense::DenseMatrix;
 pub use dof::Dof;
@@ -68,4 +74,5 @@ pub use nodes::Nodes;
 pub use reduced::{ReducedModel, read_reduced};
 pub use rigid_motions::RigidMotions;
 pub use sparse::SparseSymmetric;
+pub use surface_cells::{PatchSplit, SurfaceCells};
 pub use units::MatrixUnits;

@@ -63,7 +63,7 @@ pub struct StructureScenario {
 impl StructureScenario {
     /// Files of its bodies, cells and static loads, as given.
     pub fn files(&self) -> impl Iterator<Item = &str> {
-        let cells = self.interfaces.iter().map(|patch| patch.cells.as_str());
+        let cells = self.interfaces.iter().filter_map(|patch| patch.cells.as_deref());
         let loads = self.loads.iter().filter_map(|load| load.file.as_deref());
         self.bodies.iter().flat_map(MatrixBodySpec::files).chain(cells).chain(loads)
     }
@@ -212,26 +212,78 @@ pub struct StaticLoadSpec {
     pub force_n: Option<f64>,
 }
 
-/// Contact patch: cells, each with one closure and one pressure.
+/// Contact patch: cells, each with one closure and one pressure, from a file or between two surfaces.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("oneOf" = [{"required": ["cells"]}, {"required": ["above"]}]))]
 pub struct PatchSpec {
     /// Name of the interface, used in the headers of the results.
     #[schemars(length(min = 1))]
     pub name: String,
     /// Contact law: a name from "laws", or a law written in place.
     pub law: LawRef,
-    /// Name of the body of the cells, unless their file has a column `body`.
+    /// Name of the body of the cells of a file, unless the file has a column `body`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub body: Option<String>,
     /// CSV of `cell,area_m2,node,direction,weight`, relative to the scenario's folder: the closure of a cell
     /// is the sum of weight times displacement.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
-    pub cells: String,
+    pub cells: Option<String>,
+    /// Surface whose outward normals point at the other; closures are along them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub above: Option<SurfaceSpec>,
+    /// The other surface, whose mesh need not match; rigid ground when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub below: Option<SurfaceSpec>,
+    /// Division of the area between the surfaces: "faces", a cell for each face of "above", which is the default, or
+    /// \[columns, rows\] of a grid over the patch.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub split: Option<SplitSpec>,
+    /// Direction of the columns of the grid in the plane of the patch; when left out the first of x, y, z that is not
+    /// near the normal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub along: Option<[f64; 3]>,
     /// Gap between the faces before they are loaded in m; negative for an interference.
     #[serde(default)]
     pub initial_gap_m: f64,
+}
+
+/// A side of a contact patch.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("oneOf" = [{"required": ["surface"]}, {"required": ["set"]}]))]
+pub struct SurfaceSpec {
+    /// Name of the body, which has a mesh.
+    #[schemars(length(min = 1))]
+    pub body: String,
+    /// Surface of element faces of its mesh (`*SURFACE, TYPE=ELEMENT`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub surface: Option<String>,
+    /// Set of nodes of its mesh: the free faces all nodes of which are in it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub set: Option<String>,
+}
+
+/// Division of a patch into cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum SplitSpec {
+    /// A cell for each face.
+    Faces(SplitFaces),
+    /// Columns and rows of a grid.
+    Grid(#[schemars(inner(range(min = 1, max = 1000)))] [usize; 2]),
+}
+
+/// The word "faces".
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SplitFaces {
+    /// A cell for each face of the surface above.
+    Faces,
 }
 
 /// JSON Schema (draft 2020-12) of a structure given by matrices.

@@ -136,6 +136,16 @@ pub enum SimulationError {
 }
 
 impl SimulationError {
+    /// A fault of a structure of matrices at a pointer into the scenario.
+    pub(crate) fn model(
+        place: &str,
+        problem: impl Into<String>,
+        accepted: impl Into<String>,
+    ) -> Self {
+        let (problem, accepted) = (problem.into(), accepted.into());
+        Self::Model { place: place.to_owned(), problem, accepted }
+    }
+
     /// True if the scenario or the request is to be changed; false if the computation failed.
     pub fn is_wrong_request(&self) -> bool {
         match self {

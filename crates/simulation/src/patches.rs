@@ -2,22 +2,27 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`structure`] | files of a scenario to a structure at rest, with its ports |
+//! | `body` | files of a body |
+//! | [`ports`] | cells of patches, loads, excitation and sensors as ports of the bodies |
+//! | [`structure`] | a scenario to a structure at rest |
 //! | [`kept_reduction`] | reductions kept on disk under what they depend on |
 //! | [`run`] | transient runs |
 //! | `rows` | rows of a sweep or a study |
 //! | `steady` | steady responses |
 //! | [`modes`] | linearised modes |
 
+mod body;
 pub mod kept_reduction;
 pub mod modes;
+pub mod ports;
 mod rows;
 pub mod run;
 mod steady;
 pub mod structure;
 
 pub use modes::{PatchModes, patch_modes};
+pub use ports::Patch;
 pub(crate) use rows::PatchRows;
 pub use run::{CellSummary, PatchRun, simulate_patches};
 pub use steady::steady_cells;
-pub use structure::{Patch, PatchStructure, assemble_patches};
+pub use structure::{PatchStructure, assemble_patches};

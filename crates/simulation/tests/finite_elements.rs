@@ -134,6 +134,139 @@ fn two_blocks_move_as_by_the_reference() {
     }
 }
 
+/// Cells between the surfaces of the deck in place of the file of cells: pressures and modes of the reference. The
+/// file's areas have ten digits.
+#[test]
+fn cells_between_surfaces_carry_the_pressures_of_the_reference() {
+    let test = "cells_between_surfaces_carry_the_pressures_of_the_reference";
+    let Some(folder) = two_blocks(test) else { return };
+    let text = fs::read_to_string(folder.path().join("reference.json")).unwrap();
+    let reference: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let expected = reference["static"]["cells"].as_array().unwrap();
+    let surfaces = SCENARIO.replace(
+        r#""body": "blocks", "cells": "cells.csv""#,
+        r#""above": {"body": "blocks", "surface": "contact_upper"}, "below": {"body": "blocks", "surface": "CONTACT_LOWER"}, "split": [4, 4]"#,
+    );
+    for run in ["reduced", "kept"] {
+        let document = Document::parse(&surfaces, folder.path().join("s.json")).unwrap();
+        let scenario = document.structure_scenario().unwrap();
+        let structure = assemble_patches(&scenario, document.folder()).unwrap().structure;
+        for (contact, expected) in structure.structure.contacts().iter().zip(expected) {
+            let off = contact.pressure() / expected["pressure_pa"].as_f64().unwrap() - 1.0;
+            assert!(off.abs() < 1e-9, "{run} {}: {off:e}", contact.name());
+        }
+        assert_eq!(structure.patches[0].outlines.len(), 16);
+    }
+}
+
+/// A block of eight nodes that move up and down, on the ground: its deck, matrices and cell.
+fn write_block(folder: &Path) {
+    let (mut nodes, mut stiffness, mut mass, mut rows) =
+        (String::from("*NODE\n"), String::new(), String::new(), String::new());
+    let square = [[0, 0], [2, 0], [2, 1], [0, 1]];
+    for node in 0..8 {
+        let [x, y] = square[node % 4];
+        writeln!(nodes, "{},{x}e-2,{y}e-2,{}e-2", node + 1, node / 4).unwrap();
+        writeln!(mass, "{0} {0} 0.01", node + 1).unwrap();
+        writeln!(rows, "{}.3", node + 1).unwrap();
+        // Columns above each corner, and a ring of springs in each layer.
+        let (next, layer) = (4 * (node / 4) + (node + 1) % 4, 4 * (node / 4));
+        writeln!(stiffness, "{0} {0} 5e7", node + 1).unwrap();
+        let (a, b) = (node.min(next) + 1, node.max(next) + 1);
+        writeln!(stiffness, "{a} {b} -2e7").unwrap();
+        if layer == 0 {
+            writeln!(stiffness, "{} {} -1e7", node + 1, node + 5).unwrap();
+        }
+    }
+    let deck = format!(
+        "{nodes}*ELEMENT, TYPE=C3D8, ELSET=ALL\n1,1,2,3,4,5,6,7,8\n*NSET, NSET=FOOT\n1,2,3,4\n*SURFACE, NAME=SOLE, TYPE=ELEMENT\nALL,S1\n*SURFACE, NAME=SIDE, TYPE=ELEMENT\nALL,S3\n"
+    );
+    fs::write(folder.join("block.inp"), deck).unwrap();
+    fs::write(folder.join("block.sti"), stiffness).unwrap();
+    fs::write(folder.join("block.mas"), mass).unwrap();
+    fs::write(folder.join("block.dof"), rows).unwrap();
+    let weights = (1..=4).map(|node| format!("a,2e-4,{node},3,-0.25\n"));
+    let cells = weights.collect::<String>();
+    let header = "cell,area_m2,node,direction,weight\n";
+    fs::write(folder.join("cells.csv"), format!("{header}{cells}")).unwrap();
+}
+
+const BLOCK: &str = r#"{"schema": "asperity/scenario/1",
+     "bodies": [{"name": "block", "mesh": "block.inp", "reduction": {"modes": 8},
+                 "matrices": {"format": "calculix", "stiffness": "block.sti", "mass": "block.mas", "rows": "block.dof"}}],
+     "gravity_m_per_s2": [0, 0, -9.81],
+     "interfaces": [{"name": "sole", "law": "rough", "body": "block", "cells": "cells.csv"}],
+     "laws": {"rough": {"kind": "power", "coefficient": 1e10, "exponent": 0.5}},
+     "damping": {"kind": "mass_proportional", "rate_per_s": 60},
+     "excitation": {"kind": "haversine", "peak_n": 0.1, "duration_s": 1e-3,
+                    "at": {"body": "block", "node": 5, "direction": [0, 0, -1]}},
+     "sensors": [{"name": "top", "at": {"body": "block", "node": 7, "direction": [0, 0, 1]}, "kind": "displacement"}],
+     "duration_s": 0.01}"#;
+
+/// A surface or a set of nodes on rigid ground is the cell that a file states.
+#[test]
+fn a_surface_on_the_ground_is_the_cell_of_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    write_block(folder.path());
+    let mut found = Vec::new();
+    for patch in [
+        r#""body": "block", "cells": "cells.csv""#,
+        r#""above": {"body": "block", "surface": "SOLE"}"#,
+        r#""above": {"body": "block", "set": "foot"}, "split": "faces""#,
+        r#""above": {"body": "block", "set": "foot"}, "split": [1, 1], "along": [1, 1, 0]"#,
+    ] {
+        let text = BLOCK.replace(r#""body": "block", "cells": "cells.csv""#, patch);
+        let document = Document::parse(&text, folder.path().join("block.json")).unwrap();
+        let run = simulate(&document);
+        assert!((run.cells[0][0].area_m2 / 2e-4 - 1.0).abs() < 1e-12);
+        found.push(run.run.transient.history.sensors[0].displacement.clone());
+    }
+    let scale = largest(&found[0]);
+    assert!(scale > 1e-9, "{scale:e}");
+    for other in &found[1..] {
+        let off =
+            other.iter().zip(&found[0]).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+        assert!(off < 1e-9 * scale, "{:e}", off / scale);
+    }
+    let cases = [
+        (
+            r#"{"body": "block", "surface": "SOIL"}"#,
+            "block.inp: no surface SOIL; accepted: the deck has SIDE, SOLE",
+        ),
+        (r#"{"body": "blocks", "surface": "SOLE"}"#, "no body is named \"blocks\""),
+        (
+            r#"{"body": "block", "set": "HEAD"}"#,
+            "block.inp: no node set HEAD; accepted: the deck has FOOT",
+        ),
+        (
+            r#"{"body": "block", "surface": "SOLE"}, "split": "faces", "along": [1, 0, 0]"#,
+            "/interfaces/0/along",
+        ),
+        (
+            r#"{"body": "block", "surface": "SOLE"}, "split": [40, 40]"#,
+            "/interfaces/0/split: 1600 cells in all",
+        ),
+        (
+            r#"{"body": "block", "surface": "SOLE"}, "below": {"body": "block", "surface": "SIDE"}"#,
+            "/interfaces/0/below: the surfaces SOLE and SIDE do not face each other",
+        ),
+        (r#"{"body": "block", "surface": "SIDE"}"#, "has no row of node 1 direction 2"),
+        (r#"{"body": "block", "surface": "SOLE"}, "cells": "cells.csv""#, "/interfaces/0"),
+    ];
+    for (above, expected) in cases {
+        let patch = format!(r#""above": {above}"#);
+        let text = BLOCK.replace(r#""body": "block", "cells": "cells.csv""#, &patch);
+        let document = Document::parse(&text, folder.path().join("block.json")).unwrap();
+        let message = match document.structure_scenario() {
+            Err(error) => format!("{:?}", error.diagnostics),
+            Ok(scenario) => {
+                assemble_patches(&scenario, document.folder()).map(|_| ()).unwrap_err().to_string()
+            }
+        };
+        assert!(message.contains(expected), "{above}: {message}");
+    }
+}
+
 /// Steady vibration of 16 cells by harmonic balance, near resonance: first and second harmonic.
 #[test]
 fn two_blocks_vibrate_steadily_as_by_the_reference() {
@@ -401,7 +534,7 @@ fn faults_of_structures_are_named() {
         (
             "/loads/0",
             r#"{"body": "bars", "set": "TOP", "direction": [1, 0, 0], "force_n": 9}"#,
-            "has no mesh with sets",
+            "has no mesh with sets and surfaces",
         ),
     ];
     for (pointer, value, expected) in cases {

@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use asperity_mesh::{ReducedBody, ResidualFlexibility};
-use asperity_scenario::{StaticLoadSpec, StructureScenario, text_sha256};
+use asperity_scenario::{PatchSpec, StaticLoadSpec, StructureScenario, text_sha256};
 use serde_json::json;
 
 use crate::error::SimulationError;
@@ -39,7 +39,12 @@ impl ReductionKey {
             factor: None,
             ..load.clone()
         };
-        let cells: Vec<_> = interfaces.iter().map(|patch| (&patch.body, &patch.cells)).collect();
+        let cells: Vec<_> = interfaces
+            .iter()
+            .map(|PatchSpec { body, cells, above, below, split, along, .. }| {
+                json!([body, cells, above, below, split, along])
+            })
+            .collect();
         let places: Vec<_> = scenario.sensors.iter().map(|sensor| &sensor.at).collect();
         let parts = json!({
             "version": env!("CARGO_PKG_VERSION"),

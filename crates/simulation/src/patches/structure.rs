@@ -1,38 +1,23 @@
 //! A structure of matrices at rest, from the files of its scenario.
 
-use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
 use asperity_dynamics::{Integrator, Sampling};
-use asperity_law::{ContactLaw, LawError};
-use asperity_matrices::{
-    ContactCell, Deck, Dof, Matrices, MatricesFormat, MatrixFiles, MatrixUnits,
-};
-use asperity_mesh::{ComponentModes, Port, PortPair, PortPattern, ReducedBody, SparseBody};
-use asperity_scenario::{
-    Along, DampingSpec, ExcitationSpec, MatricesFormatSpec, MatrixBodySpec, PatchSpec, PlaceSpec,
-    StaticLoadSpec, StructureScenario,
-};
+use asperity_mesh::{ComponentModes, Port, PortPattern, ReducedBody};
+use asperity_scenario::{DampingSpec, ExcitationSpec, StructureScenario};
 use asperity_structure::{
-    LoadCase, PreloadedContact, PreloadedStructure, StructureError, UnloadedContact,
-    contacts_at_rest,
+    LoadCase, PreloadedContact, PreloadedStructure, StructureError, contacts_at_rest,
 };
-use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use tracing::info_span;
 
+use super::body::Body;
 use super::kept_reduction::{self, FOLDER, ReductionKey};
+use super::ports::{Patch, Ports};
 use crate::accuracy::DEFAULT_ACCURACY;
 use crate::assemble::{Assembly, Interfaces, Sensor, samples_of};
 use crate::error::SimulationError;
-use crate::shared_laws::shared_law;
 use crate::static_state::{StaticInterface, StaticSummary};
-
-/// Most cells of a structure.
-const MOST_CELLS: usize = asperity_dynamics::MOST_CONTACTS;
-
-/// Pressure for which laws are built that depend on one \[Pa\].
-const LAW_PRESSURE: f64 = 1e5;
 
 /// A structure of matrices at rest under its loads.
 #[derive(Debug, Clone)]
@@ -51,17 +36,6 @@ pub struct PatchStructure {
     pub modes_per_body: Vec<usize>,
     /// Number of motions without stiffness before contact, of each body.
     pub rigid_motions: Vec<usize>,
-}
-
-/// A contact patch.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Patch {
-    /// Name of the interface.
-    pub name: String,
-    /// Contacts of the structure that are its cells.
-    pub cells: Range<usize>,
-    /// Names of the cells.
-    pub cell_names: Vec<String>,
 }
 
 impl Interfaces for PatchStructure {
@@ -105,7 +79,7 @@ pub fn assemble_patches(
 ) -> Result<Assembly<PatchStructure>, SimulationError> {
     let (damping, internal) = scenario.damping.of_bodies()?;
     if !matches!(scenario.damping, DampingSpec::MassProportional(_) | DampingSpec::Rayleigh(_)) {
-        return Err(model(
+        return Err(SimulationError::model(
             "/damping",
             "the kind is not one of a structure of matrices",
             "mass_proportional or rayleigh",
@@ -115,13 +89,10 @@ pub fn assemble_patches(
     let key = ReductionKey::new(folder, scenario)?;
     // The files of a kept reduction were checked when it was made.
     let (ports, reduced) = if let Some(found) = kept_reduction::find(folder, &key) {
-        (Ports::new(scenario, folder, Vec::new())?, found)
+        (Ports::read(scenario, folder, false)?, found)
     } else {
-        let bodies = info_span!("read matrices").in_scope(|| {
-            let read = |body| Body::read(body, folder);
-            scenario.bodies.iter().map(read).collect::<Result<Vec<_>, _>>()
-        })?;
-        let ports = Ports::new(scenario, folder, bodies)?;
+        let read = info_span!("read matrices");
+        let ports = read.in_scope(|| Ports::read(scenario, folder, true))?;
         let made = info_span!("reduce").in_scope(|| reduced_bodies(scenario, &ports))?;
         kept_reduction::keep(folder, &key, &made);
         (ports, made)
@@ -131,7 +102,11 @@ pub fn assemble_patches(
     let fits = |(body, own): (&ReducedBody, &Vec<usize>)| body.residual.ports() == own.len();
     if reduced.len() != own.len() || !reduced.iter().zip(&own).all(fits) {
         let problem = "the kept reduction is not one of this structure";
-        return Err(model("/bodies", problem, format!("a folder {FOLDER} that is removed")));
+        return Err(SimulationError::model(
+            "/bodies",
+            problem,
+            format!("a folder {FOLDER} that is removed"),
+        ));
     }
     let joined: Vec<(&ReducedBody, &[usize])> =
         reduced.iter().zip(&own).map(|(body, own)| (body, own.as_slice())).collect();
@@ -174,9 +149,7 @@ fn reduced_bodies(
     let reduce = |(number, body): (usize, &Body)| {
         let own = ports.of(number).into_iter();
         let patterns: Vec<PortPattern> = own.map(|port| ports.patterns[port].1.clone()).collect();
-        let matrices = &body.matrices;
-        let (stiffness, mass) = (sparse(matrices.stiffness()), sparse(matrices.mass()));
-        let body = SparseBody::new(stiffness, mass, body.places()).map_err(StructureError::from)?;
+        let body = body.sparse(ports.decks[number].as_ref())?;
         let modes = scenario.bodies[number].reduction.modes;
         Ok(ReducedBody::new(&body, &patterns, modes).map_err(StructureError::from)?)
     };
@@ -201,369 +174,10 @@ fn load_case(
 ) -> Result<LoadCase, SimulationError> {
     if matches!(scenario.excitation, ExcitationSpec::BaseMotion { .. }) {
         let problem = "a motion of the base is not taken by structures of matrices";
-        return Err(model("/excitation/kind", problem, "a force at a node"));
+        return Err(SimulationError::model("/excitation/kind", problem, "a force at a node"));
     }
     let load =
         scenario.excitation.load_case_at(Port::Number(port), |file| samples_of(file, folder))?;
     load.check()?;
     Ok(load)
-}
-
-fn model(place: &str, problem: impl Into<String>, accepted: impl Into<String>) -> SimulationError {
-    SimulationError::Model {
-        place: place.to_owned(),
-        problem: problem.into(),
-        accepted: accepted.into(),
-    }
-}
-
-/// A body as its files have it.
-struct Body {
-    name: String,
-    matrices: Matrices,
-    deck: Option<Deck>,
-}
-
-impl Body {
-    fn read(spec: &MatrixBodySpec, folder: &Path) -> Result<Self, SimulationError> {
-        let MatrixBodySpec { name, matrices, mesh, units, .. } = spec;
-        let format = match matrices.format {
-            MatricesFormatSpec::Calculix => MatricesFormat::Calculix,
-            MatricesFormatSpec::Abaqus => MatricesFormat::Abaqus,
-            MatricesFormatSpec::MatrixMarket => MatricesFormat::MatrixMarket,
-            MatricesFormatSpec::Nastran => MatricesFormat::Nastran,
-            MatricesFormatSpec::Matlab => MatricesFormat::Matlab,
-            MatricesFormatSpec::Npz => MatricesFormat::Npz,
-        };
-        let at = |file: &String| folder.join(file);
-        let mut read = asperity_matrices::read(&MatrixFiles {
-            format,
-            stiffness: at(&matrices.stiffness),
-            mass: matrices.mass.as_ref().map(at),
-            rows: matrices.rows.as_ref().map(at),
-        })?;
-        let mut deck = mesh.as_ref().map(|file| Deck::read(&at(file))).transpose()?;
-        let units = MatrixUnits::new(units.length_m, units.mass_kg, units.time_s)?;
-        read.convert(units);
-        if let Some(deck) = &mut deck {
-            deck.convert(units);
-        }
-        let findings = read.findings(deck.as_ref().map(Deck::nodes));
-        if let Some(fault) = findings.iter().find(|finding| finding.is_fault) {
-            let accepted = "matrices of a structure without contact";
-            return Err(model("/bodies", format!("{name}: {fault}"), accepted));
-        }
-        for finding in &findings {
-            tracing::info!(body = name, "{finding}");
-        }
-        Ok(Self { name: name.clone(), matrices: read, deck })
-    }
-
-    fn row(&self, dof: Dof, place: &str) -> Result<usize, SimulationError> {
-        self.matrices.row(dof).ok_or_else(|| {
-            let problem = format!("body \"{}\" has no row of {dof}", self.name);
-            let accepted =
-                "degrees of freedom that are in the matrices: neither held nor dependent";
-            model(place, problem, accepted)
-        })
-    }
-
-    /// Rows of a node along a direction.
-    fn along(
-        &self,
-        node: i64,
-        direction: [f64; 3],
-        place: &str,
-    ) -> Result<PortPattern, SimulationError> {
-        let length = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
-        if !(length.is_finite() && length > 0.0) {
-            let at = format!("{place}/direction");
-            return Err(model(&at, "the direction has no length", "three numbers, not all zero"));
-        }
-        let parts = direction.iter().zip(1_u8..).filter(|(part, _)| **part != 0.0);
-        let row =
-            |(part, axis): (&f64, u8)| Ok((self.row(Dof::new(node, axis), place)?, part / length));
-        parts.map(row).collect()
-    }
-
-    /// Nodes of a set.
-    fn set(&self, set: &str, place: &str) -> Result<Vec<i64>, SimulationError> {
-        let Some(deck) = &self.deck else {
-            let problem = format!("body \"{}\" has no mesh with sets", self.name);
-            return Err(model(&format!("{place}/set"), problem, "a body with \"mesh\""));
-        };
-        let nodes = deck.node_set(set)?.to_vec();
-        if nodes.is_empty() {
-            return Err(model(&format!("{place}/set"), "the set has no nodes", "a set of nodes"));
-        }
-        Ok(nodes)
-    }
-
-    fn places(&self) -> Vec<Option<[f64; 3]>> {
-        let Some(deck) = &self.deck else { return Vec::new() };
-        self.matrices.dofs().iter().map(|dof| deck.nodes().get(dof.node)).collect()
-    }
-}
-
-/// Ports of a structure, and what acts at them. Without bodies read, where their reduction is known, the patterns
-/// are empty.
-struct Ports<'a> {
-    names: Vec<&'a str>,
-    bodies: Vec<Body>,
-    /// Body and pattern of each port.
-    patterns: Vec<(usize, PortPattern)>,
-    pairs: Vec<PortPair>,
-    contacts: Vec<UnloadedContact>,
-    patches: Vec<Patch>,
-    /// Port and factor of each static load.
-    loads: Vec<(usize, f64)>,
-    load: usize,
-    sensors: Vec<usize>,
-}
-
-impl<'a> Ports<'a> {
-    fn new(
-        scenario: &'a StructureScenario,
-        folder: &Path,
-        bodies: Vec<Body>,
-    ) -> Result<Self, SimulationError> {
-        let mut ports = Self {
-            names: scenario.bodies.iter().map(|body| body.name.as_str()).collect(),
-            bodies,
-            patterns: Vec::new(),
-            pairs: Vec::new(),
-            contacts: Vec::new(),
-            patches: Vec::new(),
-            loads: Vec::new(),
-            load: 0,
-            sensors: Vec::new(),
-        };
-        for (number, patch) in scenario.interfaces.iter().enumerate() {
-            ports.add_patch(scenario, patch, number, folder)?;
-        }
-        if scenario.gravity_m_per_s2 != [0.0; 3] {
-            for body in 0..ports.names.len() {
-                let weight = ports.bodies.get(body).map(|Body { matrices, deck, .. }| {
-                    let nodes = deck.as_ref().map(Deck::nodes);
-                    let forces = matrices.gravity_loads(scenario.gravity_m_per_s2, nodes);
-                    let acting = forces.into_iter().enumerate().filter(|(_, force)| *force != 0.0);
-                    acting.collect()
-                });
-                let port = ports.add(body, weight.unwrap_or_default());
-                ports.loads.push((port, 1.0));
-            }
-        }
-        for (number, load) in scenario.loads.iter().enumerate() {
-            ports.add_load(load, number, folder)?;
-        }
-        ports.load = match scenario.excitation.at() {
-            Some(at) => ports.add_place(at, "/excitation/at")?,
-            None if matches!(scenario.excitation, ExcitationSpec::None) => {
-                // No force acts; the first sensor's port stands in for one.
-                ports.add_sensor(scenario, 0)?
-            }
-            None => {
-                let accepted = "{\"body\": NAME, \"node\": NUMBER, \"direction\": [x, y, z]}";
-                return Err(model("/excitation", "the force has no place \"at\"", accepted));
-            }
-        };
-        for number in 0..scenario.sensors.len() {
-            let port = ports.add_sensor(scenario, number)?;
-            ports.sensors.push(port);
-        }
-        Ok(ports)
-    }
-
-    fn add(&mut self, body: usize, pattern: PortPattern) -> usize {
-        self.patterns.push((body, pattern));
-        self.patterns.len() - 1
-    }
-
-    /// Numbers of the ports of a body.
-    fn of(&self, body: usize) -> Vec<usize> {
-        (0..self.patterns.len()).filter(|&port| self.patterns[port].0 == body).collect()
-    }
-
-    fn body(&self, name: &str, place: &str) -> Result<usize, SimulationError> {
-        self.names.iter().position(|known| *known == name).ok_or_else(|| {
-            let problem = format!("no body is named \"{name}\"");
-            model(place, problem, self.names.join(", "))
-        })
-    }
-
-    fn add_sensor(
-        &mut self,
-        scenario: &StructureScenario,
-        number: usize,
-    ) -> Result<usize, SimulationError> {
-        let place = format!("/sensors/{number}/at");
-        let at = scenario.sensors.get(number).and_then(|sensor| sensor.at.as_ref());
-        let accepted = "{\"body\": NAME, \"node\": NUMBER, \"direction\": [x, y, z]}";
-        let at = at.ok_or_else(|| model(&place, "the sensor has no place", accepted))?;
-        self.add_place(at, &place)
-    }
-
-    fn add_place(&mut self, at: &PlaceSpec, place: &str) -> Result<usize, SimulationError> {
-        let body = self.body(&at.body, &format!("{place}/body"))?;
-        let Along::Node { node, direction } = at.along else {
-            let problem = "the place is one of a bar";
-            return Err(model(place, problem, "node and direction of a body of matrices"));
-        };
-        let along = |body: &Body| body.along(node, direction, place);
-        let pattern = self.bodies.get(body).map(along).transpose()?;
-        Ok(self.add(body, pattern.unwrap_or_default()))
-    }
-
-    fn add_load(
-        &mut self,
-        load: &StaticLoadSpec,
-        number: usize,
-        folder: &Path,
-    ) -> Result<(), SimulationError> {
-        let place = format!("/loads/{number}");
-        let body = self.body(&load.body, &format!("{place}/body"))?;
-        let (pattern, factor) = match load {
-            StaticLoadSpec {
-                file: Some(file),
-                factor,
-                node: None,
-                set: None,
-                direction: None,
-                force_n: None,
-                ..
-            } => {
-                let read = |read: &Body| {
-                    let forces = asperity_matrices::read_loads(&folder.join(file))?;
-                    let own = forces
-                        .iter()
-                        .filter(|one| one.body.as_ref().is_none_or(|name| *name == load.body));
-                    let rows = own.map(|one| Ok((read.row(one.dof, &place)?, one.force_n)));
-                    rows.collect::<Result<PortPattern, SimulationError>>()
-                };
-                let pattern = self.bodies.get(body).map(read).transpose()?;
-                (pattern.unwrap_or_default(), factor.unwrap_or(1.0))
-            }
-            StaticLoadSpec {
-                file: None,
-                factor: None,
-                direction: Some(direction),
-                force_n: Some(force),
-                node,
-                set,
-                ..
-            } if node.is_some() != set.is_some() => {
-                let spread = |body: &Body| {
-                    let nodes = match (node, set) {
-                        (Some(node), _) => vec![*node],
-                        (None, set) => body.set(set.as_deref().unwrap_or_default(), &place)?,
-                    };
-                    let share = 1.0 / nodes.len() as f64;
-                    let mut pattern = PortPattern::new();
-                    for &node in &nodes {
-                        let rows = body.along(node, *direction, &place)?;
-                        pattern.extend(rows.into_iter().map(|(row, part)| (row, share * part)));
-                    }
-                    Ok::<_, SimulationError>(pattern)
-                };
-                let pattern = self.bodies.get(body).map(spread).transpose()?;
-                (pattern.unwrap_or_default(), *force)
-            }
-            _ => {
-                let accepted = "\"file\" with or without \"factor\", or \"node\" or \"set\" with \"direction\" and \"force_n\"";
-                return Err(model(&place, "the load is given twice or not at all", accepted));
-            }
-        };
-        let port = self.add(body, pattern);
-        self.loads.push((port, factor));
-        Ok(())
-    }
-
-    fn add_patch(
-        &mut self,
-        scenario: &StructureScenario,
-        patch: &PatchSpec,
-        number: usize,
-        folder: &Path,
-    ) -> Result<(), SimulationError> {
-        let place = format!("/interfaces/{number}");
-        let law = shared_law(&scenario.laws, &patch.law, LAW_PRESSURE);
-        let law: Arc<dyn ContactLaw> = law.map_err(|source: LawError| SimulationError::Law {
-            law: patch.law.name().to_owned(),
-            interface: Some(patch.name.clone()),
-            pressure_pa: LAW_PRESSURE,
-            source,
-        })?;
-        if !(law.domain().separates() || law.domain().is_bilateral()) {
-            let problem =
-                "the law never separates, so the faces have no first contact to count from";
-            let accepted = "a law with a closure at zero pressure, or a constant stiffness";
-            return Err(model(&format!("{place}/law"), problem, accepted));
-        }
-        let cells = asperity_matrices::read_cells(&folder.join(&patch.cells))?;
-        let first = self.contacts.len();
-        if first + cells.len() > MOST_CELLS {
-            let problem = format!("{} cells in all", first + cells.len());
-            return Err(model(&format!("{place}/cells"), problem, format!("at most {MOST_CELLS}")));
-        }
-        for cell in &cells {
-            let pair = self.cell_pair(cell, patch, &place)?;
-            self.pairs.push(pair);
-            self.contacts.push(UnloadedContact {
-                name: format!("{}, cell {}", patch.name, cell.name),
-                area: cell.area_m2,
-                law: Arc::clone(&law),
-                gap: patch.initial_gap_m,
-                damping: None,
-            });
-        }
-        self.patches.push(Patch {
-            name: patch.name.clone(),
-            cells: first..self.contacts.len(),
-            cell_names: cells.into_iter().map(|cell| cell.name).collect(),
-        });
-        Ok(())
-    }
-
-    /// The closure of a cell: of one body a port of its own, of two the difference of two ports.
-    fn cell_pair(
-        &mut self,
-        cell: &ContactCell,
-        patch: &PatchSpec,
-        place: &str,
-    ) -> Result<PortPair, SimulationError> {
-        let mut patterns: Vec<(usize, PortPattern)> = Vec::new();
-        for weight in &cell.weights {
-            let name = weight.body.as_ref().or(patch.body.as_ref()).ok_or_else(|| {
-                let accepted = "\"body\" of the interface, or a column body in the file of cells";
-                model(place, "the cells have no body", accepted)
-            })?;
-            let body = self.body(name, &format!("{place}/body"))?;
-            let row = |body: &Body| body.row(weight.dof, &format!("{place}/cells"));
-            let row = self.bodies.get(body).map(row).transpose()?.unwrap_or_default();
-            match patterns.iter_mut().find(|(own, _)| *own == body) {
-                Some((_, pattern)) => pattern.push((row, weight.weight)),
-                None => patterns.push((body, vec![(row, weight.weight)])),
-            }
-        }
-        let mut patterns = patterns.into_iter();
-        match (patterns.next(), patterns.next(), patterns.next()) {
-            (Some((body, pattern)), None, None) => Ok(PortPair::on_ground(self.add(body, pattern))),
-            (Some((above, upper)), Some((below, lower)), None) => {
-                let upper = self.add(above, upper);
-                let negative = lower.into_iter().map(|(row, weight)| (row, -weight)).collect();
-                Ok(PortPair::between(upper, self.add(below, negative)))
-            }
-            _ => {
-                let problem = format!("cell {} joins more than two bodies", cell.name);
-                Err(model(&format!("{place}/cells"), problem, "cells of one or two bodies"))
-            }
-        }
-    }
-}
-
-fn sparse(matrix: &asperity_matrices::SparseSymmetric) -> SparseColMat<usize, f64> {
-    let size = matrix.size();
-    let (starts, rows) = (matrix.column_starts().to_vec(), matrix.rows().to_vec());
-    let symbolic = SymbolicSparseColMat::new_checked(size, size, starts, None, rows);
-    SparseColMat::new(symbolic, matrix.values().to_vec())
 }
