@@ -19,6 +19,7 @@ mod style;
 mod x_10_sensitivity;
 mod x_11_prediction_bands;
 mod x_12_free_law;
+mod x_13_solid;
 mod x_1_linear_floor;
 mod x_2_pulse_shape;
 mod x_3_convergence;
@@ -58,4 +59,5 @@ pub(crate) const FIGURES: &[&PaperFigure] = &[
     &x_10_sensitivity::FIGURE,
     &x_11_prediction_bands::FIGURE,
     &x_12_free_law::FIGURE,
+    &x_13_solid::FIGURE,
 ];

@@ -22,6 +22,7 @@ mod fuzz;
 mod package;
 mod python;
 mod reproduce;
+mod solid;
 mod tidy;
 
 use std::path::{Path, PathBuf};

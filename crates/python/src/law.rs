@@ -322,7 +322,7 @@ pub(crate) fn laws<'py>(
     py: Python<'py>,
     scenario: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let scenario = PyScenario::of(scenario, None)?.scenario;
+    let scenario = PyScenario::of(scenario, None)?.bars()?;
     let found = scenario_laws(&scenario).map_err(|error| exception::of_study(py, &error))?;
     let dict = PyDict::new(py);
     for one in found {
@@ -356,7 +356,7 @@ pub(crate) fn tabulate<'py>(
     py: Python<'py>,
     scenario: &Bound<'py, PyAny>,
 ) -> PyResult<(Bound<'py, PyDict>, Option<PyFigure>)> {
-    let scenario = PyScenario::of(scenario, None)?.scenario;
+    let scenario = PyScenario::of(scenario, None)?.bars()?;
     let tables = background::run(py, None, move |_| tables_of(&scenario))?
         .map_err(|error| exception::of_study(py, &error))?;
     let figure = (!tables.is_empty()).then(|| PyFigure::from(asperity_plot::laws(&tables)));

@@ -3,8 +3,8 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
-use asperity_scenario::{Document, Scenario};
-use pyo3::exceptions::PyTypeError;
+use asperity_scenario::{AnyScenario, Document, Scenario};
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyMapping, PyString};
 
@@ -36,14 +36,14 @@ use crate::{exception, json};
 #[derive(Debug, Clone)]
 pub(crate) struct PyScenario {
     pub(crate) document: Document,
-    pub(crate) scenario: Scenario,
+    pub(crate) scenario: AnyScenario,
 }
 
 impl PyScenario {
     /// The checked scenario of `document`.
     fn checked(py: Python<'_>, document: Document) -> PyResult<Self> {
         let scenario = py
-            .detach(|| document.scenario())
+            .detach(|| document.any_scenario())
             .map_err(|invalid| exception::of_invalid(py, &invalid))?;
         Ok(Self { document, scenario })
     }
@@ -55,6 +55,16 @@ impl PyScenario {
         }
         let accepted = "a path, JSON text, a dict or a Scenario";
         Self::checked(source.py(), json::document_of(source, folder, "scenario", accepted)?)
+    }
+
+    /// The scenario, if it is one of bars.
+    pub(crate) fn bars(self) -> PyResult<Scenario> {
+        match self.scenario {
+            AnyScenario::Bars(bars) => Ok(*bars),
+            AnyScenario::Structure(_) => Err(PyValueError::new_err(
+                "the scenario is a structure of matrices; accepted here: bars",
+            )),
+        }
     }
 }
 
@@ -348,7 +358,7 @@ impl PyScenario {
     /// Title, or None.
     #[getter]
     fn title(&self) -> Option<&str> {
-        self.scenario.title.as_deref()
+        self.scenario.title()
     }
 
     /// SHA-256 of the document, as results state it.
@@ -361,9 +371,9 @@ impl PyScenario {
         let names = |count: usize, noun: &str| {
             format!("{count} {noun}{}", if count == 1 { "y" } else { "ies" })
         };
-        let title = self.scenario.title.as_deref().unwrap_or("untitled");
-        let bodies = names(self.scenario.bodies.len(), "bod");
-        let contacts = self.scenario.interfaces.len();
+        let title = self.scenario.title().unwrap_or("untitled");
+        let (bodies, contacts) = self.scenario.size();
+        let bodies = names(bodies, "bod");
         format!(
             "<asperity.Scenario {title:?}: {bodies}, {contacts} interface{}>",
             match contacts {

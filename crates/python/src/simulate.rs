@@ -2,13 +2,16 @@
 
 use asperity_figure::Figure;
 use asperity_plot::MagnitudeAxis;
+use asperity_scenario::AnyScenario;
 use asperity_simulation::error::SimulationError;
+use asperity_simulation::patches::simulate_patches;
 use asperity_simulation::record::{frf_columns, history_columns};
-use asperity_simulation::run::{receptance, simulate_with_progress};
-use asperity_simulation::summary::Summary;
+use asperity_simulation::run::{Run, receptance, simulate_with_progress};
 use asperity_simulation::warning::Warning;
+use asperity_table::DataTable;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use serde_json::{Value, json};
 
 use crate::figure::PyFigure;
 use crate::scenario::PyScenario;
@@ -17,21 +20,50 @@ use crate::{background, columns, exception, json};
 /// Columns by their names, and the figure that the command draws of them.
 type Drawn = (Vec<(String, Vec<f64>)>, Figure);
 
-/// Summary, history and, for a run with force, FRF of one run.
+/// History, FRF of a run with force, summary, and cells of a structure with patches.
+struct Found {
+    summary: Value,
+    warnings: Vec<(&'static str, String)>,
+    history: Drawn,
+    frf: Option<Drawn>,
+    cells: Option<DataTable>,
+}
+
+impl Found {
+    fn new<S>(run: &Run<S>, summary: Value) -> Result<Self, SimulationError> {
+        let columns = history_columns(run).into_iter();
+        let columns = columns.map(|(name, values)| (name, values.into_owned())).collect();
+        let frf = receptance(run, 0)?.zip(frf_columns(run)?).map(|(frf, columns)| {
+            (columns, asperity_plot::frf(&frf, &run.summary, MagnitudeAxis::default()))
+        });
+        let warnings = in_words(&run.summary.warnings);
+        Ok(Self {
+            summary,
+            warnings,
+            history: (columns, asperity_plot::history(run)),
+            frf,
+            cells: None,
+        })
+    }
+}
+
 fn computed(
     scenario: &PyScenario,
     progress: &background::Progress,
-) -> Result<(Summary, Drawn, Option<Drawn>), SimulationError> {
-    let run = simulate_with_progress(&scenario.document, &scenario.scenario, &|fraction| {
-        progress.report(fraction);
-    })?;
-    let figure = asperity_plot::history(&run);
-    let columns = history_columns(&run).into_iter();
-    let columns = columns.map(|(name, values)| (name, values.into_owned())).collect();
-    let frf = receptance(&run, 0)?.zip(frf_columns(&run)?).map(|(frf, columns)| {
-        (columns, asperity_plot::frf(&frf, &run.summary, MagnitudeAxis::default()))
-    });
-    Ok((run.summary, (columns, figure), frf))
+) -> Result<Found, SimulationError> {
+    let document = &scenario.document;
+    let report = |fraction: f64| progress.report(fraction);
+    match &scenario.scenario {
+        AnyScenario::Bars(bars) => {
+            let run = simulate_with_progress(document, bars, &report)?;
+            Found::new(&run, json!(run.summary))
+        }
+        AnyScenario::Structure(structure) => {
+            let run = simulate_patches(document, structure, &report)?;
+            let found = Found::new(&run.run, json!(run.summary()))?;
+            Ok(Found { cells: Some(run.cells_table()), ..found })
+        }
+    }
 }
 
 /// Dict of arrays, and figure.
@@ -44,11 +76,17 @@ pub(crate) fn in_words<'a>(
     warnings.into_iter().map(|warning| (warning.kind(), warning.to_string())).collect()
 }
 
-/// Results of one run for Python: summary, history, FRF, and warnings.
-type Simulated<'py> =
-    (Bound<'py, PyAny>, Shown<'py>, Option<Shown<'py>>, Vec<(&'static str, String)>);
+/// Results of one run for Python: summary, history, FRF, cells, and warnings.
+type Simulated<'py> = (
+    Bound<'py, PyAny>,
+    Shown<'py>,
+    Option<Shown<'py>>,
+    Option<Bound<'py, PyDict>>,
+    Vec<(&'static str, String)>,
+);
 
-/// Summary as a dict, history and FRF as dicts of arrays with their figures, and the warnings.
+/// Summary as a dict, history and FRF as dicts of arrays with their figures, cells of a structure of matrices
+/// as a dict of arrays, and the warnings.
 #[pyfunction]
 #[pyo3(signature = (scenario, progress))]
 pub(crate) fn simulate<'py>(
@@ -58,11 +96,12 @@ pub(crate) fn simulate<'py>(
 ) -> PyResult<Simulated<'py>> {
     let scenario = PyScenario::of(scenario, None)?;
     let outcome = background::run(py, progress, move |progress| computed(&scenario, progress))?;
-    let (summary, history, frf) = outcome.map_err(|error| exception::of_study(py, &error))?;
+    let Found { summary, warnings, history, frf, cells } =
+        outcome.map_err(|error| exception::of_study(py, &error))?;
     let shown = |(columns, figure): Drawn| -> PyResult<Shown<'py>> {
         Ok((columns::to_dict(py, columns)?, PyFigure::from(figure)))
     };
-    let warnings = in_words(&summary.warnings);
     let frf = frf.map(shown).transpose()?;
-    Ok((json::to_python(py, &summary)?, shown(history)?, frf, warnings))
+    let cells = cells.map(|table| columns::of_table(py, table)).transpose()?;
+    Ok((json::to_python(py, &summary)?, shown(history)?, frf, cells, warnings))
 }

@@ -17,7 +17,7 @@ use crate::scenario::{Scenario, scenario_schema};
 use crate::schema_check::check_schema;
 use crate::set_value::{SetError, set_value};
 use crate::sha256::text_sha256;
-use crate::structure_scenario::{StructureScenario, structure_schema};
+use crate::structure_scenario::{AnyScenario, StructureScenario, structure_schema};
 use crate::validate;
 
 /// Largest size of a document in bytes.
@@ -190,16 +190,16 @@ impl Document {
         self.checked(structure_schema(), conditions)
     }
 
-    /// Checks the scenario, of bars or of a structure of matrices.
+    /// Returns the scenario, of bars or of a structure of matrices, after all checks.
     ///
     /// # Errors
     /// [`InvalidDocument`] with all faults, in the order of the text.
-    pub fn check_scenario(&self) -> Result<(), InvalidDocument> {
-        if self.has_matrices() {
-            self.structure_scenario().map(|_| ())
+    pub fn any_scenario(&self) -> Result<AnyScenario, InvalidDocument> {
+        Ok(if self.has_matrices() {
+            AnyScenario::Structure(self.structure_scenario()?.into())
         } else {
-            self.scenario().map(|_| ())
-        }
+            AnyScenario::Bars(self.scenario()?.into())
+        })
     }
 
     /// Deserialises the document after a check against `schema`, which is generated from `T`.

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::scenario::{DEFAULT_OUTPUT_RATE_HZ, MAX_OUTPUT_RATE_HZ, SchemaId, schema_of};
+use crate::scenario::{DEFAULT_OUTPUT_RATE_HZ, MAX_OUTPUT_RATE_HZ, Scenario, SchemaId, schema_of};
 
 /// Modes kept of each body by default.
 pub const DEFAULT_REDUCED_MODES: usize = 40;
@@ -284,6 +284,33 @@ pub enum SplitSpec {
 pub enum SplitFaces {
     /// A cell for each face of the surface above.
     Faces,
+}
+
+/// A scenario of bars, or of a structure of matrices.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AnyScenario {
+    /// Bars and their interfaces.
+    Bars(Box<Scenario>),
+    /// A structure of matrices with its patches.
+    Structure(Box<StructureScenario>),
+}
+
+impl AnyScenario {
+    /// Title.
+    pub fn title(&self) -> Option<&str> {
+        match self {
+            Self::Bars(bars) => bars.title.as_deref(),
+            Self::Structure(structure) => structure.title.as_deref(),
+        }
+    }
+
+    /// Numbers of bodies and of interfaces.
+    pub fn size(&self) -> (usize, usize) {
+        match self {
+            Self::Bars(bars) => (bars.bodies.len(), bars.interfaces.len()),
+            Self::Structure(structure) => (structure.bodies.len(), structure.interfaces.len()),
+        }
+    }
 }
 
 /// JSON Schema (draft 2020-12) of a structure given by matrices.

@@ -23,6 +23,6 @@ pub mod structure;
 pub use modes::{PatchModes, patch_modes};
 pub use ports::Patch;
 pub(crate) use rows::PatchRows;
-pub use run::{CellSummary, PatchRun, simulate_patches};
+pub use run::{CellCounts, CellSummary, PatchRun, PatchSummary, Truncation, simulate_patches};
 pub use steady::steady_cells;
 pub use structure::{PatchStructure, assemble_patches};

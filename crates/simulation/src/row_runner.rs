@@ -70,7 +70,7 @@ impl RowRunner {
         let fault = |error: InvalidDocument| SimulationError::Scenario(error.to_string());
         if document.has_matrices() {
             document.structure_scenario().map_err(fault)?;
-            return self.patches.names(&self.inputs);
+            return PatchRows::names(&self.inputs);
         }
         let scenario = document.scenario().map_err(fault)?;
         Ok(Arc::clone(&PreparedScenario::new(&scenario, document.folder())?.names))

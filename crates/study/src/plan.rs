@@ -221,7 +221,7 @@ fn scenario_of(document: &Document, given: &StudiedScenario) -> Result<Document,
     match given {
         StudiedScenario::File(file) => {
             let scenario = Document::read(document.folder().join(file))?;
-            scenario.check_scenario()?;
+            scenario.any_scenario()?;
             Ok(scenario)
         }
         StudiedScenario::InPlace(scenario) => {

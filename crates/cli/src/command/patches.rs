@@ -2,10 +2,9 @@
 
 use asperity_scenario::{Document, StructureScenario};
 use asperity_simulation::patches::{
-    CellSummary, PatchStructure, assemble_patches, patch_modes, simulate_patches,
+    CellSummary, PatchSummary, assemble_patches, patch_modes, simulate_patches,
 };
 use asperity_simulation::provenance::Provenance;
-use asperity_simulation::summary::Summary;
 use serde_json::json;
 
 use super::ResultFolder;
@@ -40,45 +39,20 @@ pub(super) fn simulate(
     let folder = ResultFolder::claim("simulate", document.path(), output)?;
     let found = with_percents(quiet, |progress| simulate_patches(document, &scenario, progress))?;
     write_run(&folder, &found.run, record, magnitude)?;
-    folder.write("cells.csv", found.cells_csv())?;
-    let summary = &found.run.summary;
-    let mut answer = json!(summary);
-    answer["cells"] = cells_json(&found.run.assembly.structure, &found.cells);
-    answer["truncation"] = json!({
-        "modes_per_body": found.run.assembly.structure.modes_per_body,
-        "relative_error": found.truncation,
-        "note": "flexibility of the modes left out is kept, their inertia is not; accelerations converge slowest",
-    });
-    let folder = folder.finish("summary.json", &answer, output.json)?;
+    folder.write("cells.csv", found.cells_table().to_csv())?;
+    let summary = found.summary();
+    let folder = folder.finish("summary.json", &json!(summary), output.json)?;
     if !output.json && !quiet {
-        answer!("{}", in_words(summary));
-        answer!("{}", cells_in_words(summary, &found.cells));
+        answer!("{}", in_words(&summary.summary));
+        answer!("{}", cells_in_words(&summary, &found.cells));
         answer_line!("written to {}", folder.display());
     }
     Ok(())
 }
 
-/// Numbers of the cells of each interface.
-fn cells_json(structure: &PatchStructure, cells: &[Vec<CellSummary>]) -> serde_json::Value {
-    let of = |(patch, cells): (&asperity_simulation::patches::Patch, &Vec<CellSummary>)| {
-        let most = |of: fn(&CellSummary) -> f64| cells.iter().map(of).fold(0.0, f64::max);
-        json!({
-            "interface": patch.name,
-            "cells": cells.len(),
-            "open_at_rest": cells.iter().filter(|one| one.gap_m > 0.0).count(),
-            "lose_contact": cells.iter().filter(|one| one.contact_lost_s > 0.0).count(),
-            "pressure_max_pa": most(|one| one.pressure_max_pa),
-            "contact_lost_longest_s": most(|one| one.contact_lost_s),
-        })
-    };
-    structure.patches.iter().zip(cells).map(of).collect()
-}
-
-fn cells_in_words(summary: &Summary, cells: &[Vec<CellSummary>]) -> String {
+fn cells_in_words(summary: &PatchSummary, cells: &[Vec<CellSummary>]) -> String {
     let mut lines = Vec::new();
-    for (interface, cells) in summary.interfaces.iter().zip(cells) {
-        let open = cells.iter().filter(|one| one.gap_m > 0.0).count();
-        let lost = cells.iter().filter(|one| one.contact_lost_s > 0.0).count();
+    for (counts, cells) in summary.cells.iter().zip(cells) {
         let mut worst: Vec<&CellSummary> = cells.iter().collect();
         worst.sort_by(|a, b| b.pressure_max_pa.total_cmp(&a.pressure_max_pa));
         let named: Vec<String> = worst
@@ -87,9 +61,11 @@ fn cells_in_words(summary: &Summary, cells: &[Vec<CellSummary>]) -> String {
             .map(|one| format!("{} {:.4} MPa", one.cell, 1e-6 * one.pressure_max_pa))
             .collect();
         lines.push(format!(
-            "{:<26}{} cells, {open} open at rest, {lost} without contact for a time; highest: {}\n",
-            interface.name,
-            cells.len(),
+            "{:<26}{} cells, {} open at rest, {} lose contact for a time; highest: {}\n",
+            counts.interface,
+            counts.cells,
+            counts.open_at_rest,
+            counts.lose_contact,
             named.join(", ")
         ));
     }

@@ -4,7 +4,6 @@ use faer::Mat;
 
 use super::period::{Period, rounded};
 use super::variational_equation::{VariationalEquation, add};
-use crate::vector_instructions::vectorised;
 
 /// Radians of the fastest mode per step. The method's own damping of that mode is below 1e-3 over
 /// a period, and falls with the sixth power of the frequency.
@@ -80,29 +79,23 @@ impl RungeKutta {
         let (size, square) = (2 * variation.modes.len(), variation.interfaces().pow(2));
         let step = std::f64::consts::TAU / (angular_frequency * steps as f64);
         let mut states = identity(size);
-        vectorised(
-            #[inline(always)]
-            || {
-                for number in 0..steps {
-                    let at = [0, 1, 2].map(|half_steps| {
-                        let place = (2 * number + half_steps) % (2 * steps);
-                        let range = place * square..(place + 1) * square;
-                        Coefficients {
-                            stiffness: &period.stiffness()[range.clone()],
-                            damping: period.damping().get(range).unwrap_or(&[]),
-                            sliders: &[],
-                        }
-                    });
-                    self.advance(variation, (angular_frequency, step), at, &mut states);
+        for number in 0..steps {
+            let at = [0, 1, 2].map(|half_steps| {
+                let place = (2 * number + half_steps) % (2 * steps);
+                let range = place * square..(place + 1) * square;
+                Coefficients {
+                    stiffness: &period.stiffness()[range.clone()],
+                    damping: period.damping().get(range).unwrap_or(&[]),
+                    sliders: &[],
                 }
-            },
-        );
+            });
+            self.advance(variation, (angular_frequency, step), at, &mut states);
+        }
         Mat::from_fn(size, size, |row, column| states[row * size + column])
     }
 
     /// Advances all `states` by a `step` \[s\], under the coefficients at its start, middle and end;
     /// velocities are divided by `scale` \[rad/s\].
-    #[inline(always)]
     pub(super) fn advance(
         &mut self,
         variation: &VariationalEquation,
@@ -134,7 +127,6 @@ impl RungeKutta {
     }
 
     /// Time derivatives of all states under these coefficients.
-    #[inline(always)]
     fn slopes(
         &mut self,
         variation: &VariationalEquation,

@@ -188,7 +188,7 @@ impl VariationalEquation {
     /// contacts in the closures, `(1 + R K_c)^-1 = 1 - R K` with the `stiffness` K of
     /// [`stiffness`](Self::stiffness), D the retardation of the static modes. Of first order in the
     /// damping times the residual flexibility.
-    #[inline(always)]
+    #[inline]
     pub(super) fn damping(
         &self,
         dampers: impl Fn(usize) -> f64,
@@ -227,7 +227,7 @@ impl VariationalEquation {
     ///
     /// The residual flexibility is positive, so that elimination needs no exchanges: in the order
     /// of the rows, `1 + K_c R` keeps positive pivots.
-    #[inline(always)]
+    #[inline]
     pub(super) fn stiffness(&mut self, tangents: impl Fn(usize) -> f64, out: &mut [f64]) {
         let n = self.interfaces();
         if n == 1 {
@@ -276,7 +276,7 @@ impl VariationalEquation {
 }
 
 /// Adds a multiple of `what`.
-#[inline(always)]
+#[inline]
 pub(super) fn add(to: &mut [f64], factor: f64, what: &[f64]) {
     for (t, w) in to.iter_mut().zip(what) {
         *t += factor * w;

@@ -23,6 +23,7 @@ from ._law import (
     laws,
     tabulate,
 )
+from ._matrices import write_matrices
 from ._measurement import read, to_sep005, write
 from ._simulate import Simulation, simulate
 from ._steady import Modes, SteadyResponses, modes, steady
@@ -72,4 +73,5 @@ __all__ = [
     "tabulate",
     "to_sep005",
     "write",
+    "write_matrices",
 ]

@@ -381,6 +381,7 @@ def simulate(
     dict[str, Any],
     tuple[_Numbers, Figure],
     tuple[_Numbers, Figure] | None,
+    _Columns | None,
     list[tuple[str, str]],
 ]: ...
 def sweep(
@@ -405,6 +406,7 @@ def steady(
     _Columns,
     _Columns | None,
     _Columns | None,
+    _Columns | None,
     Figure | None,
     list[tuple[str, str]],
 ]: ...
@@ -420,7 +422,9 @@ def study(
     progress: _Progress,
 ) -> dict[str, Any]: ...
 def command(arguments: list[str]) -> int: ...
-def modes(scenario: _ScenarioLike, count: int) -> tuple[dict[str, Any], _Numbers, Figure]: ...
+def modes(
+    scenario: _ScenarioLike, count: int
+) -> tuple[dict[str, Any], _Numbers, Figure | None]: ...
 def laws(scenario: _ScenarioLike) -> dict[str, Law]: ...
 def tabulate(scenario: _ScenarioLike) -> tuple[dict[str, _Numbers], Figure | None]: ...
 def fit_power(

@@ -31,6 +31,9 @@ class Simulation(Result):
     frf : Table or None
         Receptance of the first sensor, or with a moving base its transmissibility, as in ``frf.csv``: ``frequency_hz``, ``real_m_per_n``,
         ``imag_m_per_n``, ``magnitude_m_per_n``, ``phase_rad``; None without a force.
+    cells : Table or None
+        A row for each cell of the patches of a structure of matrices, as in ``cells.csv``: pressure at rest, gap,
+        extremes of the pressure, time without contact; None for bars.
     history_figure : Figure
         The response over time, as in ``history.svg``.
     frf_figure : Figure or None
@@ -40,6 +43,7 @@ class Simulation(Result):
     summary: dict[str, Any] = field(repr=False)
     history: Table
     frf: Table | None
+    cells: Table | None
     history_figure: _asperity.Figure = field(repr=False)
     frf_figure: _asperity.Figure | None = field(repr=False)
 
@@ -80,7 +84,8 @@ def simulate(
     ComputationError
         If the integration fails.
     """
-    summary, (history, history_figure), frf, doubts = _asperity.simulate(scenario, progress)
+    summary, (history, history_figure), frf, cells, doubts = _asperity.simulate(scenario, progress)
     tell(doubts)
     receptance, frf_figure = (None, None) if frf is None else (Table(frf[0]), frf[1])
-    return Simulation(summary, Table(history), receptance, history_figure, frf_figure)
+    found = None if cells is None else Table(cells)
+    return Simulation(summary, Table(history), receptance, found, history_figure, frf_figure)

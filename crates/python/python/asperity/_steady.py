@@ -34,6 +34,9 @@ class SteadyResponses(Result):
         Phase resonance and damped mode, as in ``backbone.csv``; None unless asked for.
     time_sweeps : Table or None
         Stepped sines by time integration, as in ``steady_time.csv``; None unless asked for.
+    cells : Table or None
+        The cells of the patches of a structure of matrices in the highest response of each branch, as in
+        ``cells.csv``; None for bars.
     figure : Figure or None
         The figure of the command; None without a branch.
     """
@@ -42,6 +45,7 @@ class SteadyResponses(Result):
     points: Table
     backbones: Table | None
     time_sweeps: Table | None
+    cells: Table | None
     figure: _asperity.Figure | None = field(repr=False)
 
     @property
@@ -171,7 +175,7 @@ def steady(
         "time_sweep": time_sweep,
         "time_sweep_points": time_sweep_points,
     }
-    summary, points, backbones, sweeps, figure, doubts = _asperity.steady(
+    summary, points, backbones, sweeps, cells, figure, doubts = _asperity.steady(
         scenario, asked, _arrays.threads(threads), progress
     )
     failed = [level for level in summary["levels"] if "error" in level]
@@ -187,6 +191,7 @@ def steady(
         Table(points),
         None if backbones is None else Table(backbones),
         None if sweeps is None else Table(sweeps),
+        None if cells is None else Table(cells),
         figure,
     )
 
@@ -201,14 +206,15 @@ class Modes(Result):
         State at rest, frequencies and damping ratios, as in ``modes.json``.
     shapes : Table
         Displacement along the stack, as in ``modes.csv``: ``position_m`` from the top, and a column
-        ``mode_N:FREQUENCY_hz`` for each mode.
-    figure : Figure
-        The shapes.
+        ``mode_N:FREQUENCY_hz`` for each mode; empty for a structure of matrices, whose participations
+        are in the summary.
+    figure : Figure or None
+        The shapes; None for a structure of matrices.
     """
 
     summary: dict[str, Any] = field(repr=False)
     shapes: Table
-    figure: _asperity.Figure = field(repr=False)
+    figure: _asperity.Figure | None = field(repr=False)
 
     @property
     def table(self) -> Table:
@@ -222,7 +228,8 @@ class Modes(Result):
         )
 
     def _repr_html_(self) -> str:
-        return self.figure.svg() + self.table._repr_html_()
+        drawn = "" if self.figure is None else self.figure.svg()
+        return drawn + self.table._repr_html_()
 
 
 def modes(scenario: ScenarioLike, count: int = 4) -> Modes:

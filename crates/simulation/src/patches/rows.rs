@@ -70,7 +70,7 @@ impl PatchRows {
     }
 
     /// Names of the numbers of the scenario as it is.
-    pub(crate) fn names(&self, inputs: &RowInputs) -> Result<Arc<[String]>, SimulationError> {
+    pub(crate) fn names(inputs: &RowInputs) -> Result<Arc<[String]>, SimulationError> {
         let scenario = inputs.scenario::<&str, StructureScenario>(&[])?;
         Ok(Prepared::new(&scenario, inputs.folder())?.names)
     }

@@ -10,7 +10,7 @@ use std::time::Instant;
 use asperity_dynamics::{ContactExtremes, DynamicsError, ManyContacts, Transient};
 use asperity_scenario::{Document, StructureScenario};
 use asperity_structure::{PreloadedContact, PreloadedStructure};
-use asperity_table::CsvWriter;
+use asperity_table::DataTable;
 use serde::Serialize;
 use tracing::info_span;
 
@@ -51,34 +51,94 @@ pub struct PatchRun {
     pub truncation: f64,
 }
 
-impl PatchRun {
-    /// `cells.csv`: a row for each cell.
-    pub fn cells_csv(&self) -> String {
-        let mut csv = CsvWriter::with_header([
-            "interface",
-            "cell",
-            "area_m2",
-            "pressure_at_rest_pa",
-            "gap_at_rest_m",
-            "pressure_min_pa",
-            "pressure_max_pa",
-            "contact_lost_s",
-        ]);
-        for (patch, cells) in self.run.assembly.structure.patches.iter().zip(&self.cells) {
-            for one in cells {
-                csv.text(&patch.name).text(&one.cell);
-                csv.numbers([
-                    one.area_m2,
-                    one.pressure_pa,
-                    one.gap_m,
-                    one.pressure_min_pa,
-                    one.pressure_max_pa,
-                    one.contact_lost_s,
-                ]);
-                csv.end_row();
-            }
+/// `summary.json` of a run of a structure with patches.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PatchSummary {
+    /// What runs of bars say too.
+    #[serde(flatten)]
+    pub summary: Summary,
+    /// The cells of each interface.
+    pub cells: Vec<CellCounts>,
+    /// The modes kept.
+    pub truncation: Truncation,
+}
+
+/// Cells of an interface in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CellCounts {
+    /// Name of the interface.
+    pub interface: String,
+    /// Number of cells.
+    pub cells: usize,
+    /// Cells without contact at rest.
+    pub open_at_rest: usize,
+    /// Cells that are closed at rest and lose contact for a time.
+    pub lose_contact: usize,
+    /// Highest pressure of a cell \[Pa\].
+    pub pressure_max_pa: f64,
+    /// Longest time of a cell without contact \[s\].
+    pub contact_lost_longest_s: f64,
+}
+
+impl CellCounts {
+    fn new(interface: &str, cells: &[CellSummary]) -> Self {
+        let most = |of: fn(&CellSummary) -> f64| cells.iter().map(of).fold(0.0, f64::max);
+        Self {
+            interface: interface.to_owned(),
+            cells: cells.len(),
+            open_at_rest: cells.iter().filter(|one| one.is_open_at_rest()).count(),
+            lose_contact: cells.iter().filter(|one| one.loses_contact()).count(),
+            pressure_max_pa: most(|one| one.pressure_max_pa),
+            contact_lost_longest_s: most(|one| one.contact_lost_s),
         }
-        csv.into_string()
+    }
+}
+
+/// Modes kept, and what those left out are worth.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Truncation {
+    /// Number of modes kept of each body.
+    pub modes_per_body: Vec<usize>,
+    /// Relative errors by the modes left out, at most.
+    pub relative_error: f64,
+    /// What is kept of the others.
+    pub note: &'static str,
+}
+
+impl PatchRun {
+    /// The summary of the run and its cells.
+    pub fn summary(&self) -> PatchSummary {
+        let structure = &self.run.assembly.structure;
+        let counts = structure.patches.iter().zip(&self.cells);
+        PatchSummary {
+            summary: self.run.summary.clone(),
+            cells: counts.map(|(patch, cells)| CellCounts::new(&patch.name, cells)).collect(),
+            truncation: Truncation {
+                modes_per_body: structure.modes_per_body.clone(),
+                relative_error: self.truncation,
+                note: "flexibility of the modes left out is kept, their inertia is not; accelerations converge slowest",
+            },
+        }
+    }
+
+    /// `cells.csv`: a row for each cell.
+    pub fn cells_table(&self) -> DataTable {
+        let patches = self.run.assembly.structure.patches.iter().zip(&self.cells);
+        let all: Vec<(&str, &CellSummary)> = patches
+            .flat_map(|(patch, cells)| cells.iter().map(|cell| (patch.name.as_str(), cell)))
+            .collect();
+        let of = |value: fn(&CellSummary) -> f64| -> Vec<f64> {
+            all.iter().map(|(_, cell)| value(cell)).collect()
+        };
+        DataTable::new()
+            .texts("interface", all.iter().map(|(patch, _)| *patch))
+            .texts("cell", all.iter().map(|(_, cell)| cell.cell.as_str()))
+            .with("area_m2", of(|one| one.area_m2))
+            .with("pressure_at_rest_pa", of(|one| one.pressure_pa))
+            .with("gap_at_rest_m", of(|one| one.gap_m))
+            .with("pressure_min_pa", of(|one| one.pressure_min_pa))
+            .with("pressure_max_pa", of(|one| one.pressure_max_pa))
+            .with("contact_lost_s", of(|one| one.contact_lost_s))
     }
 }
 
@@ -102,6 +162,16 @@ pub struct CellSummary {
 }
 
 impl CellSummary {
+    /// True for a cell without contact at rest.
+    pub fn is_open_at_rest(&self) -> bool {
+        self.gap_m > 0.0
+    }
+
+    /// True for a cell that is closed at rest and loses contact.
+    pub fn loses_contact(&self) -> bool {
+        !self.is_open_at_rest() && self.contact_lost_s > 0.0
+    }
+
     fn new(name: &str, contact: &PreloadedContact, seen: &ContactExtremes) -> Self {
         Self {
             cell: name.to_owned(),

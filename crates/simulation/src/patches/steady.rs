@@ -133,7 +133,7 @@ pub fn steady_cells(structure: &PatchStructure, steady: &Steady) -> DataTable {
             let names = patch.cell_names.iter().zip(patch.cells.clone());
             names.map(|(name, i)| (patch.name.as_str(), name.as_str(), i))
         });
-        cells.map(move |(patch, cell, i)| Cell { branch, peak, patch, cell, number: i })
+        cells.map(move |(patch, name, number)| Cell { branch, peak, patch, name, number })
     });
     let cells: Vec<Cell<'_>> = cells.collect();
     let of = |value: &dyn Fn(&PreloadedContact, &PressureRange) -> f64| -> Vec<f64> {
@@ -143,7 +143,7 @@ pub fn steady_cells(structure: &PatchStructure, steady: &Steady) -> DataTable {
     DataTable::new()
         .counts("branch", cells.iter().map(|cell| cell.branch))
         .texts("interface", cells.iter().map(|cell| cell.patch))
-        .texts("cell", cells.iter().map(|cell| cell.cell))
+        .texts("cell", cells.iter().map(|cell| cell.name))
         .numbers("frequency_hz", cells.iter().map(|cell| cell.peak.frequency_hz()))
         .with("area_m2", of(&|contact, _| contact.area()))
         .with("pressure_at_rest_pa", of(&|contact, _| contact.pressure()))
@@ -158,7 +158,7 @@ struct Cell<'a> {
     branch: usize,
     peak: &'a PeriodicResponse,
     patch: &'a str,
-    cell: &'a str,
+    name: &'a str,
     number: usize,
 }
 

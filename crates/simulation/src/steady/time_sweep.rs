@@ -335,11 +335,11 @@ fn fourier(
     let first = ((start + from) / h).ceil().max(0.0) as usize;
     let last = (((start + from + length) / h).floor() as usize).min(displacement.len());
     let (mut sum, mut weights) = (Complex64::ZERO, 0.0);
-    for n in first..last {
+    for (n, sample) in displacement.iter().enumerate().take(last).skip(first) {
         let time = n as f64 * h - start;
         let weight = (PI * (time - from) / length).sin().powi(2);
         let turn = Complex64::from_polar(weight, -TAU * frequency * time);
-        sum += turn * displacement[n];
+        sum += turn * sample;
         weights += weight;
     }
     sum * (2.0 / weights)
