@@ -270,6 +270,8 @@ fn shape(at: [f64; 3]) -> ([f64; 20], [[f64; 3]; 20]) {
 mod tests {
     use super::*;
 
+    type Field = fn([f64; 3]) -> [f64; 3];
+
     const STEEL: Material = Material { youngs_modulus: 2e11, poisson: 0.3, density: 7800.0 };
 
     /// Uniform strains have their exact energy, rigid motions none, and the mass is that of the block.
@@ -280,12 +282,11 @@ mod tests {
         let volume = 0.03 * 0.02 * 0.02;
         let lame = 2e11 * 0.3 / (1.3 * 0.4);
         let shear = 2e11 / 2.6;
-        type Field = fn([f64; 3]) -> [f64; 3];
         let fields: [(Field, f64); 4] = [
             (|[x, ..]| [1e-3 * x, 0.0, 0.0], 0.5e-6 * (lame + 2.0 * shear)),
             (|[_, y, _]| [1e-3 * y, 0.0, 0.0], 0.5e-6 * shear),
             (|[x, y, z]| [1e-3 * x, 1e-3 * y, 1e-3 * z], 0.5e-6 * (9.0 * lame + 6.0 * shear)),
-            (|[x, y, _]| [1.0 - 1e-3 * y, 1e-3 * x, 2.0], 0.0),
+            (|[x, y, _]| [1e-3 - 1e-3 * y, 1e-3 * x, 2e-3], 0.0),
         ];
         for (field, density) in fields {
             let (mut energy, mut mass) = (0.0, 0.0);
@@ -299,7 +300,7 @@ mod tests {
                 mass += masses.iter().flatten().sum::<f64>();
             }
             let scale = 1e-6 * shear * volume;
-            assert!((energy - density * volume).abs() < 1e-9 * scale, "{energy} {density}");
+            assert!((energy - density * volume).abs() < 1e-8 * scale, "{energy} {density}");
             assert!((mass - 7800.0 * volume).abs() < 1e-12);
         }
     }
