@@ -114,9 +114,9 @@ pub enum DynamicsError {
         /// Number of modes with a ratio.
         modes: usize,
     },
-    /// Contacts of patches have no damping and no friction in time.
+    /// Contacts of patches have no damping, but for springs, and no friction in time.
     #[error(
-        "\"{element}\" dissipates; accepted with many contacts: contacts without damping and friction, and damping of the bodies"
+        "\"{element}\" dissipates; accepted with many contacts: contacts without damping and friction, springs with dampers, and damping of the bodies"
     )]
     Dissipative {
         /// Name of the contact or guide.

@@ -206,28 +206,57 @@ impl Matrices {
         })
     }
 
-    /// Degrees of freedom whose rows the reader has removed, since the file marks them as held: diagonals
-    /// of 1e36 or more, which Abaqus writes for boundary conditions.
+    /// Degrees of freedom whose rows were removed, ascending: those that the file marks as held, by diagonals of 1e36 or
+    /// more, which Abaqus writes for boundary conditions, and those of [`Self::hold`].
     pub fn held(&self) -> &[Dof] {
         &self.held
+    }
+
+    /// The matrices without the rows of `dofs`, whose displacements are zero. Degrees of freedom that are held already
+    /// may be among them.
+    ///
+    /// # Errors
+    /// For a degree of freedom that has no row, and if no row is left.
+    ///
+    /// ```
+    /// use asperity_matrices::{Dof, Matrices, SparseSymmetric};
+    ///
+    /// let stiffness = SparseSymmetric::from_triplets(2, [(0, 0, 2.0), (0, 1, -1.0), (1, 1, 1.0)]);
+    /// let mass = SparseSymmetric::from_triplets(2, [(0, 0, 1.0), (1, 1, 1.0)]);
+    /// let dofs = vec![Dof::new(1, 1), Dof::new(2, 1)];
+    /// let held = Matrices::new(stiffness, mass, dofs)?.hold(&[Dof::new(1, 1)])?;
+    /// assert_eq!(held.stiffness().multiply(&[1.0]), [1.0]);
+    /// # Ok::<(), asperity_matrices::MatricesError>(())
+    /// ```
+    pub fn hold(self, dofs: &[Dof]) -> Result<Self, MatricesError> {
+        let mut kept = vec![true; self.size()];
+        for dof in dofs {
+            if self.held.binary_search(dof).is_err() {
+                kept[self.require_row(*dof)?] = false;
+            }
+        }
+        self.restricted(&kept, "no row is left that moves")
     }
 
     /// The matrices without rows that are marked as held.
     fn without_held(self) -> Result<Self, MatricesError> {
         let kept: Vec<bool> =
             self.stiffness.diagonal().iter().map(|diagonal| *diagonal < 0.999 * HELD).collect();
+        self.restricted(&kept, "every row is held, by a diagonal of 1e36")
+    }
+
+    fn restricted(self, kept: &[bool], all: &str) -> Result<Self, MatricesError> {
         if kept.iter().all(|kept| *kept) {
             return Ok(self);
         }
-        let (mut dofs, mut held) = (Vec::new(), Vec::new());
-        for (dof, kept) in self.dofs.iter().zip(&kept) {
+        let (mut dofs, mut held) = (Vec::new(), self.held);
+        for (dof, kept) in self.dofs.iter().zip(kept) {
             if *kept { dofs.push(*dof) } else { held.push(*dof) }
         }
-        let [stiffness, mass] =
-            [&self.stiffness, &self.mass].map(|matrix| matrix.restricted(&kept));
+        held.sort_unstable();
+        let [stiffness, mass] = [&self.stiffness, &self.mass].map(|matrix| matrix.restricted(kept));
         if dofs.is_empty() {
-            let what = "every row is held, by a diagonal of 1e36";
-            return Err(MatricesError::inconsistent(what, "expected rows that move"));
+            return Err(MatricesError::inconsistent(all, "expected rows that move"));
         }
         Ok(Self { held, ..Self::new(stiffness, mass, dofs)? })
     }

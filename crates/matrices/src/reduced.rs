@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::text::Content;
-use crate::{DenseMatrix, MatricesError, matlab, npz};
+use crate::{DenseMatrix, Dof, Matrices, MatricesError, SparseSymmetric, matlab, npz};
 
 /// A reduced model of a structure with contact cells, in SI units.
 ///
@@ -48,6 +48,21 @@ impl ReducedModel {
     /// As [`read_reduced`].
     pub fn of_bytes(name: &str, bytes: &[u8]) -> Result<Self, MatricesError> {
         reduced(name, bytes.to_vec())
+    }
+
+    /// Its stiffness and mass as matrices; coordinate `k` is direction 1 of node `k + 1`.
+    ///
+    /// # Errors
+    /// For a model without coordinates.
+    pub fn matrices(&self) -> Result<Matrices, MatricesError> {
+        let size = self.stiffness.rows();
+        let sparse = |matrix: &DenseMatrix| {
+            let lower = (0..size).flat_map(|column| (column..size).map(move |row| (row, column)));
+            let entries = lower.map(|(row, column)| (row, column, matrix.get(row, column)));
+            SparseSymmetric::from_triplets(size, entries.filter(|entry| entry.2 != 0.0))
+        };
+        let dofs = (1..).take(size).map(|node| Dof::new(node, 1)).collect();
+        Matrices::new(sparse(&self.stiffness), sparse(&self.mass), dofs)
     }
 }
 

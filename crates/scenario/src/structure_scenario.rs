@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use asperity_law::{LawRef, Laws};
-use asperity_structure::{DampingSpec, ExcitationSpec, SensorSpec};
+use asperity_structure::{DampingSpec, ExcitationSpec, PlaceSpec, SensorSpec};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -36,6 +36,14 @@ pub struct StructureScenario {
     /// Contact patches.
     #[schemars(length(min = 1, max = 100))]
     pub interfaces: Vec<PatchSpec>,
+    /// Springs, with dampers or without, between places of the bodies or on the ground.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub springs: Vec<SpringSpec>,
+    /// Displacements that are zero: guides and supports.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub held: Vec<HeldSpec>,
     /// Contact laws by name, to be shared by interfaces.
     #[serde(default, skip_serializing_if = "Laws::is_empty")]
     pub laws: Laws,
@@ -116,6 +124,9 @@ pub enum MatricesFormatSpec {
     Matlab,
     /// NumPy file with `K`, `M` and `dof`.
     Npz,
+    /// Reduced model: a MATLAB or NumPy file with the full matrices `K` and `M`, closures `W` and areas `area` of cells,
+    /// and optionally loads `f` and responses `R`, in SI.
+    Reduced,
 }
 
 /// Files of stiffness and mass, relative to the scenario's folder.
@@ -124,7 +135,7 @@ pub enum MatricesFormatSpec {
 pub struct MatricesSpec {
     /// Format of the files.
     pub format: MatricesFormatSpec,
-    /// File of the stiffness; of everything, for MATLAB and NumPy.
+    /// File of the stiffness; of everything, for MATLAB, NumPy and reduced models.
     #[schemars(length(min = 1))]
     pub stiffness: String,
     /// File of the mass; none for one MATLAB or NumPy file of both.
@@ -178,11 +189,12 @@ impl Default for ReductionSpec {
     }
 }
 
-/// Static load: a file of nodal forces, or a force on a node or spread over a set of nodes.
+/// Static load: a file of nodal forces, the loads of a reduced model, or a force on a node or spread over a set of nodes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend("oneOf" = [
     {"required": ["file"]},
+    {"required": ["array"]},
     {"required": ["node", "direction", "force_n"]},
     {"required": ["set", "direction", "force_n"]}
 ]))]
@@ -194,7 +206,10 @@ pub struct StaticLoadSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub file: Option<String>,
-    /// Factor on the forces of the file.
+    /// Array of loads of a reduced model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub array: Option<LoadArray>,
+    /// Factor on the forces of the file or the array.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factor: Option<f64>,
     /// Node on which the force acts.
@@ -215,14 +230,14 @@ pub struct StaticLoadSpec {
 /// Contact patch: cells, each with one closure and one pressure, from a file or between two surfaces.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(extend("oneOf" = [{"required": ["cells"]}, {"required": ["above"]}]))]
+#[schemars(extend("oneOf" = [{"required": ["cells"]}, {"required": ["above"]}, {"required": ["array"]}]))]
 pub struct PatchSpec {
     /// Name of the interface, used in the headers of the results.
     #[schemars(length(min = 1))]
     pub name: String,
     /// Contact law: a name from "laws", or a law written in place.
     pub law: LawRef,
-    /// Name of the body of the cells of a file, unless the file has a column `body`.
+    /// Name of the body of the cells of a file, unless the file has a column `body`; of the reduced model of an array.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub body: Option<String>,
@@ -231,6 +246,9 @@ pub struct PatchSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub cells: Option<String>,
+    /// Array of closures of a reduced model, "W": its cells, with the areas of its array `area`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub array: Option<ClosureArray>,
     /// Surface whose outward normals point at the other; closures are along them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub above: Option<SurfaceSpec>,
@@ -248,6 +266,59 @@ pub struct PatchSpec {
     /// Gap between the faces before they are loaded in m; negative for an interference.
     #[serde(default)]
     pub initial_gap_m: f64,
+}
+
+/// Static loads of a reduced model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum LoadArray {
+    /// The array `f`.
+    #[serde(rename = "f")]
+    F,
+}
+
+/// Closures of a reduced model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum ClosureArray {
+    /// The array `W`.
+    W,
+}
+
+/// Spring between two places, or between a place and the ground: its elongation is the displacement of `from` less
+/// that of `to`, each along its own direction. It has no force before the loads are on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpringSpec {
+    /// One end.
+    pub from: PlaceSpec,
+    /// The other end; the ground when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to: Option<PlaceSpec>,
+    /// Stiffness in N/m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub stiffness_n_per_m: f64,
+    /// Viscous damping in N s/m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
+    pub damping_n_s_per_m: Option<f64>,
+}
+
+/// Displacements of a node, or of all nodes of a set, that are zero along an axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("oneOf" = [{"required": ["node"]}, {"required": ["set"]}]))]
+pub struct HeldSpec {
+    /// Name of the body.
+    #[schemars(length(min = 1))]
+    pub body: String,
+    /// Node that is held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub node: Option<i64>,
+    /// Set of nodes of the mesh that are held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub set: Option<String>,
+    /// Direction: along x, y or z.
+    pub direction: [f64; 3],
 }
 
 /// A side of a contact patch.

@@ -3,7 +3,8 @@
 //! | module | holds |
 //! |---|---|
 //! | `body` | files of a body |
-//! | [`ports`] | cells of patches, loads, excitation and sensors as ports of the bodies |
+//! | [`ports`] | cells of patches, springs, loads, excitation and sensors as ports of the bodies |
+//! | `patch_cells` | cells of a file, between surfaces, or of a reduced model |
 //! | [`structure`] | a scenario to a structure at rest |
 //! | [`kept_reduction`] | reductions kept on disk under what they depend on |
 //! | [`run`] | transient runs |
@@ -14,6 +15,7 @@
 mod body;
 pub mod kept_reduction;
 pub mod modes;
+mod patch_cells;
 pub mod ports;
 mod rows;
 pub mod run;

@@ -30,6 +30,8 @@ pub enum Along {
         /// Direction along the axes; its length does not count.
         direction: [f64; 3],
     },
+    /// A response of a reduced model: a row of its `R`, from 0.
+    Response(usize),
 }
 
 /// End of a body.
@@ -43,7 +45,7 @@ pub enum End {
 }
 
 /// Place on a body: of a bar with exactly one of `position_m` and `end`, of a body of matrices with `node` and
-/// `direction`.
+/// `direction`, of a reduced model with `response`.
 #[derive(Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(
@@ -51,7 +53,8 @@ pub enum End {
     extend("oneOf" = [
         {"required": ["position_m"]},
         {"required": ["end"]},
-        {"required": ["node", "direction"]}
+        {"required": ["node", "direction"]},
+        {"required": ["response"]}
     ])
 )]
 struct PlaceKeys {
@@ -71,19 +74,24 @@ struct PlaceKeys {
     /// Direction of the force or the reading at `node`, along x, y and z; its length does not count.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     direction: Option<[f64; 3]>,
+    /// Response of a reduced model: a row of its array R, from 0. A force there acts by the same row.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    response: Option<usize>,
 }
 
 impl TryFrom<PlaceKeys> for PlaceSpec {
     type Error = &'static str;
 
     fn try_from(keys: PlaceKeys) -> Result<Self, Self::Error> {
-        let along = match (keys.position_m, keys.end, keys.node, keys.direction) {
-            (Some(position), None, None, None) => Along::PositionM(position),
-            (None, Some(end), None, None) => Along::End(end),
-            (None, None, Some(node), Some(direction)) => Along::Node { node, direction },
+        let PlaceKeys { position_m, end, node, direction, response, .. } = keys;
+        let along = match (position_m, end, node, direction, response) {
+            (Some(position), None, None, None, None) => Along::PositionM(position),
+            (None, Some(end), None, None, None) => Along::End(end),
+            (None, None, Some(node), Some(direction), None) => Along::Node { node, direction },
+            (None, None, None, None, Some(response)) => Along::Response(response),
             _ => {
                 return Err(
-                    "a place needs exactly one of position_m, end, and node with direction",
+                    "a place needs exactly one of position_m, end, node with direction, and response",
                 );
             }
         };
@@ -93,14 +101,21 @@ impl TryFrom<PlaceKeys> for PlaceSpec {
 
 impl From<PlaceSpec> for PlaceKeys {
     fn from(place: PlaceSpec) -> Self {
-        let keys =
-            Self { body: place.body, position_m: None, end: None, node: None, direction: None };
+        let keys = Self {
+            body: place.body,
+            position_m: None,
+            end: None,
+            node: None,
+            direction: None,
+            response: None,
+        };
         match place.along {
             Along::PositionM(position) => Self { position_m: Some(position), ..keys },
             Along::End(end) => Self { end: Some(end), ..keys },
             Along::Node { node, direction } => {
                 Self { node: Some(node), direction: Some(direction), ..keys }
             }
+            Along::Response(response) => Self { response: Some(response), ..keys },
         }
     }
 }
@@ -125,6 +140,11 @@ impl PlaceSpec {
             Along::Node { node, .. } => {
                 let (quantity, value) = ("node of a bar", node as f64);
                 let accepted = "position_m or end; bodies of matrices have nodes";
+                return Err(StructureError::Setting { quantity, value, accepted });
+            }
+            Along::Response(value) => {
+                let (quantity, value) = ("response of a bar", value as f64);
+                let accepted = "position_m or end; reduced models have responses";
                 return Err(StructureError::Setting { quantity, value, accepted });
             }
             Along::PositionM(value) => {

@@ -11,6 +11,9 @@
 //! Newton steps take the forces of closed contacts as unknowns, `(1 / (A k) + G) f = r`, which is symmetric and
 //! positive definite however stiff or soft the contacts are. Its factor is kept while stiffnesses
 //! change little. Contacts may be open at rest, and there may be hundreds.
+//!
+//! A spring, a contact of constant stiffness that carries tension, may have a damper: the mean of its force in a step is
+//! `c (x - x_0) / h`.
 
 mod contact_forces;
 mod run_parts;
@@ -86,6 +89,8 @@ pub struct ManyContacts {
     load: usize,
     sensors: Vec<usize>,
     forces: ContactForces,
+    /// Damper of each contact \[N s/m\]; of springs alone.
+    dampers: Vec<f64>,
     /// Contacts whose means over their area are recorded together.
     groups: Vec<Range<usize>>,
 }
@@ -96,7 +101,7 @@ impl ManyContacts {
     /// # Errors
     /// [`DynamicsError::Setting`] for more than [`MOST_CONTACTS`] contacts;
     /// [`DynamicsError::Mesh`] for a port that does not exist; [`DynamicsError::Dissipative`] for contacts with
-    /// damping or friction; [`DynamicsError::ModalDamping`] for ratios of modes.
+    /// friction, or with damping unless they are springs; [`DynamicsError::ModalDamping`] for ratios of modes.
     pub fn new(
         structure: Arc<PreloadedStructure<ComponentModes>>,
         load: usize,
@@ -115,14 +120,19 @@ impl ManyContacts {
                 accepted: "1 to 1000",
             });
         }
-        let damped = structure.contacts().iter().find(|contact| contact.damping().is_some());
+        let is_spring = |contact: &PreloadedContact| contact.law().domain().is_bilateral();
+        let damped = structure
+            .contacts()
+            .iter()
+            .find(|contact| contact.damping().is_some() && !is_spring(contact));
         let dissipative = damped.map(PreloadedContact::name).or(structure.friction());
         if let Some(element) = dissipative {
             return Err(DynamicsError::Dissipative { element: element.to_owned() });
         }
         let forces = ContactForces::new(structure.contacts());
         let groups = (0..count).map(|contact| contact..contact + 1).collect();
-        Ok(Self { structure, load, sensors, forces, groups })
+        let dampers = structure.contacts().iter().map(PreloadedContact::damper).collect();
+        Ok(Self { structure, load, sensors, forces, dampers, groups })
     }
 
     /// The same with one interface of the history for each range of contacts, with means over their area.
@@ -222,6 +232,9 @@ struct Run<'a> {
     before: Vec<f64>,
     forces: Vec<f64>,
     stiffness: Vec<f64>,
+    /// Force of each damper \[N\], and its stiffness in a step, `2 c / h` \[N/m\].
+    damper_forces: Vec<f64>,
+    damper_stiffness: Vec<f64>,
     load_value: f64,
     kept: Option<KeptFactor>,
     largest: f64,
@@ -304,6 +317,8 @@ impl<'a> Run<'a> {
             before: vec![0.0; n],
             forces: vec![0.0; n],
             stiffness: contacts.iter().map(PreloadedContact::spring).collect(),
+            damper_forces: vec![0.0; n],
+            damper_stiffness: vec![0.0; n],
             modes,
             residual,
             flexibility,
@@ -318,10 +333,11 @@ impl<'a> Run<'a> {
         if load_value != 0.0 {
             run.settle();
         }
+        run.damper_stiffness = system.dampers.iter().map(|damper| 2.0 * damper / step).collect();
         run
     }
 
-    /// Closures at a load that jumps at the start: the flexibility left out follows at once.
+    /// Closures at a load that jumps at the start: the flexibility left out follows at once, as if there were no dampers.
     fn settle(&mut self) {
         let free: Vec<f64> = self.residual.load.iter().map(|r| r * self.load_value).collect();
         let flexibility = self.residual.closures.clone();
@@ -376,6 +392,11 @@ impl<'a> Run<'a> {
         }
         let mean_load = 0.5 * (load + self.load_value);
         self.load_value = load;
+        for (i, old) in old_closures.iter().enumerate() {
+            let moved = self.closures[i] - old;
+            loss += 0.5 * self.damper_stiffness[i] * moved * moved;
+            self.damper_forces[i] = self.damper_stiffness[i] * moved - self.damper_forces[i];
+        }
         self.ledger.input += mean_load * (self.load_displacement() - before);
         self.ledger.dissipated += loss;
         self.observe(&old_closures);
@@ -402,6 +423,10 @@ impl<'a> Run<'a> {
         let mut last: Option<(Vec<f64>, Vec<f64>)> = None;
         for _ in 0..MOST_ITERATIONS {
             forces.evaluate(contacts, &x, &mut self.forces, &mut self.stiffness);
+            for (i, (&along, at)) in self.damper_stiffness.iter().zip(&x).enumerate() {
+                self.forces[i] += along * (at - self.closures[i]) - self.damper_forces[i];
+                self.stiffness[i] += along;
+            }
             let carried = flexibility * column(&self.forces);
             let rest: Vec<f64> = (0..n).map(|i| free[i] - x[i] - carried[(i, 0)]).collect();
             let size = rest.iter().fold(0.0, |most: f64, r| most.max(r.abs()));
@@ -477,7 +502,7 @@ impl<'a> Run<'a> {
             let one = &mut self.extremes[i];
             one.pressure_min = one.pressure_min.min(pressure.max(self.system.forces.lowest(i)));
             one.pressure_max = one.pressure_max.max(pressure);
-            one.stiffness_sum += self.stiffness[i] / contact.area();
+            one.stiffness_sum += (self.stiffness[i] - self.damper_stiffness[i]) / contact.area();
             let Some(lost) = self.system.forces.lost_at(i) else { continue };
             let [old, new] = [before[i] - lost, self.closures[i] - lost];
             let share = match (old < 0.0, new < 0.0) {
@@ -509,7 +534,7 @@ impl<'a> Run<'a> {
             area += contact.area();
             force += carried.max(contact.area() * self.system.forces.lowest(i));
             closure += contact.area() * (contact.closure() + self.closures[i]);
-            stiffness += self.stiffness[i];
+            stiffness += self.stiffness[i] - self.damper_stiffness[i];
         }
         (force / area, closure / area, stiffness / area)
     }

@@ -12,7 +12,7 @@ use crate::input_file::InputError;
 use crate::load_samples::{LoadSamples, SamplesError};
 use crate::suggest::nearest;
 
-/// Checks the places of the force and of the sensors, the names of sensors, and a file of samples.
+/// Checks the places of the force, of the sensors and of springs, the names of sensors, and a file of samples.
 pub(super) fn check(root: &Node<'_>, folder: &Path, found: &mut Vec<Diagnostic>) {
     let excitation = root.get("excitation");
     let sensors = root.items("sensors");
@@ -22,6 +22,13 @@ pub(super) fn check(root: &Node<'_>, folder: &Path, found: &mut Vec<Diagnostic>)
         }
         if let Some(at) = owner.get("at") {
             place(root, &at, found);
+        }
+    }
+    for spring in root.items("springs") {
+        for end in ["from", "to"].into_iter().filter_map(|key| spring.get(key)) {
+            if found.len() < MAX_FAULTS {
+                place(root, &end, found);
+            }
         }
     }
     if let Some(excitation) = excitation {

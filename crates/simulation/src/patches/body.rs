@@ -3,19 +3,22 @@
 use std::path::Path;
 
 use asperity_matrices::{
-    Deck, Dof, Matrices, MatricesError, MatricesFormat, MatrixFiles, MatrixUnits, SparseSymmetric,
+    Deck, Dof, Matrices, MatricesError, MatricesFormat, MatrixFiles, MatrixUnits, ReducedModel,
+    SparseSymmetric,
 };
 use asperity_mesh::{PortPattern, SparseBody};
-use asperity_scenario::{MatricesFormatSpec, MatrixBodySpec};
+use asperity_scenario::{MatricesFormatSpec, MatricesSpec, MatrixBodySpec, UnitsSpec};
 use asperity_structure::StructureError;
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 
 use crate::error::SimulationError;
 
-/// A body as its files have it.
+/// A body as its files have it, without the rows that are held.
 pub(super) struct Body {
     name: String,
     pub(super) matrices: Matrices,
+    /// Forces of gravity on its rows \[N\].
+    pub(super) weight: PortPattern,
 }
 
 /// The mesh of a body in metres, if it has one.
@@ -33,11 +36,43 @@ fn units(spec: &MatrixBodySpec) -> Result<MatrixUnits, MatricesError> {
     MatrixUnits::new(spec.units.length_m, spec.units.mass_kg, spec.units.time_s)
 }
 
+/// The reduced model of a body, if it is one.
+pub(super) fn read_model(
+    spec: &MatrixBodySpec,
+    folder: &Path,
+    place: &str,
+) -> Result<Option<ReducedModel>, SimulationError> {
+    let MatricesSpec { format, stiffness, mass, rows } = &spec.matrices;
+    if *format != MatricesFormatSpec::Reduced {
+        return Ok(None);
+    }
+    let refused = [
+        ("matrices/mass", mass.is_some()),
+        ("matrices/rows", rows.is_some()),
+        ("mesh", spec.mesh.is_some()),
+        ("units", spec.units != UnitsSpec::default()),
+    ];
+    if let Some((key, _)) = refused.iter().find(|(_, given)| *given) {
+        let problem = "a reduced model is one file in SI, without rows of nodes";
+        let accepted = "\"matrices\": {\"format\": \"reduced\", \"stiffness\": FILE}";
+        return Err(SimulationError::model(&format!("{place}/{key}"), problem, accepted));
+    }
+    Ok(Some(asperity_matrices::read_reduced(&folder.join(stiffness))?))
+}
+
 impl Body {
+    /// The body of a reduced model.
+    pub(super) fn of_model(name: &str, model: &ReducedModel) -> Result<Self, SimulationError> {
+        Ok(Self { name: name.to_owned(), matrices: model.matrices()?, weight: Vec::new() })
+    }
+
+    /// The body of the files of `spec`, under `gravity`, with `held` displacements.
     pub(super) fn read(
         spec: &MatrixBodySpec,
         folder: &Path,
         deck: Option<&Deck>,
+        gravity: [f64; 3],
+        held: &[Dof],
     ) -> Result<Self, SimulationError> {
         let MatrixBodySpec { name, matrices, .. } = spec;
         let format = match matrices.format {
@@ -45,8 +80,8 @@ impl Body {
             MatricesFormatSpec::Abaqus => MatricesFormat::Abaqus,
             MatricesFormatSpec::MatrixMarket => MatricesFormat::MatrixMarket,
             MatricesFormatSpec::Nastran => MatricesFormat::Nastran,
-            MatricesFormatSpec::Matlab => MatricesFormat::Matlab,
             MatricesFormatSpec::Npz => MatricesFormat::Npz,
+            MatricesFormatSpec::Matlab | MatricesFormatSpec::Reduced => MatricesFormat::Matlab,
         };
         let at = |file: &String| folder.join(file);
         let mut read = asperity_matrices::read(&MatrixFiles {
@@ -56,24 +91,35 @@ impl Body {
             rows: matrices.rows.as_ref().map(at),
         })?;
         read.convert(units(spec)?);
-        let findings = read.findings(deck.map(Deck::nodes));
+        let nodes = deck.map(Deck::nodes);
+        let findings = read.findings(nodes);
         if let Some(fault) = findings.iter().find(|finding| finding.is_fault) {
             let accepted = "matrices of a structure without contact";
-            return Err(SimulationError::model("/bodies", format!("{name}: {fault}"), accepted));
+            let problem = format!("{name}: {fault}");
+            return Err(SimulationError::model("/bodies", problem, accepted));
         }
         for finding in &findings {
             tracing::info!(body = name, "{finding}");
         }
-        Ok(Self { name: name.clone(), matrices: read })
+        // The weight of rows that are held still acts on their neighbours.
+        let weight = read.gravity_loads(gravity, nodes);
+        let all = read.dofs().to_vec();
+        let matrices = read.hold(held)?;
+        let own = all.iter().zip(weight).filter(|(_, force)| *force != 0.0);
+        let weight = own.filter_map(|(dof, force)| Some((matrices.row(*dof)?, force))).collect();
+        Ok(Self { name: name.clone(), matrices, weight })
     }
 
-    pub(super) fn row(&self, dof: Dof, place: &str) -> Result<usize, SimulationError> {
-        self.matrices.row(dof).ok_or_else(|| {
+    /// The row of a degree of freedom; none if it is held.
+    pub(super) fn row(&self, dof: Dof, place: &str) -> Result<Option<usize>, SimulationError> {
+        let row = self.matrices.row(dof);
+        if row.is_none() && self.matrices.held().binary_search(&dof).is_err() {
             let problem = format!("body \"{}\" has no row of {dof}", self.name);
             let accepted =
                 "degrees of freedom that are in the matrices: neither held nor dependent";
-            SimulationError::model(place, problem, accepted)
-        })
+            return Err(SimulationError::model(place, problem, accepted));
+        }
+        Ok(row)
     }
 
     /// Rows of a node along a direction.
@@ -92,10 +138,16 @@ impl Body {
                 "three numbers, not all zero",
             ));
         }
-        let parts = direction.iter().zip(1_u8..).filter(|(part, _)| **part != 0.0);
-        let row =
-            |(part, axis): (&f64, u8)| Ok((self.row(Dof::new(node, axis), place)?, part / length));
-        parts.map(row).collect()
+        let mut pattern = PortPattern::new();
+        for (part, axis) in direction.iter().zip(1_u8..).filter(|(part, _)| **part != 0.0) {
+            let row = self.row(Dof::new(node, axis), place)?;
+            pattern.extend(row.map(|row| (row, part / length)));
+        }
+        if pattern.is_empty() {
+            let problem = format!("node {node} of body \"{}\" is held there", self.name);
+            return Err(SimulationError::model(place, problem, "a direction that moves"));
+        }
+        Ok(pattern)
     }
 
     /// The body for a reduction, with the places of its rows if it has a mesh.

@@ -27,7 +27,7 @@ const MARK: &[u8; 8] = b"asprrd01";
 pub struct ReductionKey(String);
 
 impl ReductionKey {
-    /// The key of the bodies of `scenario` with their ports: of its bodies, cells, places and the patterns of its loads,
+    /// The key of the bodies of `scenario` with their ports: of its bodies with what is held, cells, places and the patterns of its loads,
     /// whose size does not count, and of all files named there, with their sizes and times of change.
     ///
     /// # Errors
@@ -41,17 +41,20 @@ impl ReductionKey {
         };
         let cells: Vec<_> = interfaces
             .iter()
-            .map(|PatchSpec { body, cells, above, below, split, along, .. }| {
-                json!([body, cells, above, below, split, along])
+            .map(|PatchSpec { body, cells, array, above, below, split, along, .. }| {
+                json!([body, cells, array, above, below, split, along])
             })
             .collect();
         let places: Vec<_> = scenario.sensors.iter().map(|sensor| &sensor.at).collect();
+        let springs: Vec<_> = scenario.springs.iter().map(|one| (&one.from, &one.to)).collect();
         let parts = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "bodies": bodies,
             "gravity": gravity_m_per_s2,
             "loads": loads.iter().map(unit).collect::<Vec<_>>(),
             "cells": cells,
+            "springs": springs,
+            "held": scenario.held,
             "load": scenario.excitation.at(),
             "sensors": places,
         });

@@ -1,29 +1,25 @@
-//! Ports of a structure of matrices: cells of patches, loads, the excitation and sensors.
+//! Ports of a structure of matrices: cells of patches, springs, loads, the excitation and sensors.
 
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use asperity_law::{ContactLaw, LawError};
-use asperity_matrices::{
-    ContactCell, ContactSurface, Deck, MatricesError, PatchSplit, SurfaceCells,
-};
+use asperity_law::{Constant, ContactDamping};
+use asperity_matrices::{Deck, Dof, ReducedModel};
 use asperity_mesh::{PortPair, PortPattern};
 use asperity_scenario::{
-    Along, ExcitationSpec, MatrixBodySpec, PatchSpec, PlaceSpec, SplitSpec, StaticLoadSpec,
-    StructureScenario, SurfaceSpec,
+    Along, ExcitationSpec, MatrixBodySpec, PlaceSpec, SpringSpec, StaticLoadSpec, StructureScenario,
 };
 use asperity_structure::UnloadedContact;
 
-use super::body::{Body, read_deck};
+use super::body::{Body, read_deck, read_model};
 use crate::error::SimulationError;
-use crate::shared_laws::shared_law;
 
-/// Most cells of a structure.
-const MOST_CELLS: usize = asperity_dynamics::MOST_CONTACTS;
+/// A place of a body of matrices.
+const PLACE: &str = "{\"body\": NAME, \"node\": NUMBER, \"direction\": [x, y, z]}, or \"response\" of a reduced model";
 
-/// Pressure for which laws are built that depend on one \[Pa\].
-const LAW_PRESSURE: f64 = 1e5;
+/// Area of a spring as a contact \[m2\].
+const SPRING_AREA: f64 = 1e-6;
 
 /// A contact patch.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,6 +40,8 @@ pub(super) struct Ports<'a> {
     names: Vec<&'a str>,
     /// The mesh of each body, where it was read.
     pub(super) decks: Vec<Option<Deck>>,
+    /// The reduced model of each body that is one.
+    models: Vec<Option<ReducedModel>>,
     pub(super) bodies: Vec<Body>,
     /// Body and pattern of each port.
     pub(super) patterns: Vec<(usize, PortPattern)>,
@@ -73,13 +71,16 @@ impl<'a> Ports<'a> {
             if whole || is_side(&spec.name) { read_deck(spec, folder) } else { Ok(None) }
         };
         let decks = scenario.bodies.iter().map(deck).collect::<Result<Vec<_>, _>>()?;
-        let specs = scenario.bodies.iter().zip(&decks).filter(|_| whole);
-        let read = |(spec, deck): (_, &Option<Deck>)| Body::read(spec, folder, deck.as_ref());
-        let bodies = specs.map(read).collect::<Result<Vec<_>, _>>()?;
+        let model = |(number, spec): (usize, &MatrixBodySpec)| {
+            read_model(spec, folder, &format!("/bodies/{number}"))
+        };
+        let models = scenario.bodies.iter().enumerate().map(model);
+        let models = models.collect::<Result<Vec<_>, _>>()?;
         let mut ports = Self {
             names: scenario.bodies.iter().map(|body| body.name.as_str()).collect(),
             decks,
-            bodies,
+            models,
+            bodies: Vec::new(),
             patterns: Vec::new(),
             pairs: Vec::new(),
             contacts: Vec::new(),
@@ -88,20 +89,29 @@ impl<'a> Ports<'a> {
             load: 0,
             sensors: Vec::new(),
         };
+        // A kept reduction is one with the displacements that are held.
+        let held = if whole { ports.held(scenario)? } else { Vec::new() };
+        for ((number, spec), held) in scenario.bodies.iter().enumerate().zip(&held) {
+            let body = if let Some(model) = &ports.models[number] {
+                Body::of_model(&spec.name, model)?
+            } else {
+                let deck = ports.decks[number].as_ref();
+                Body::read(spec, folder, deck, scenario.gravity_m_per_s2, held)?
+            };
+            ports.bodies.push(body);
+        }
         for (number, patch) in scenario.interfaces.iter().enumerate() {
             ports.add_patch(scenario, patch, number, folder)?;
         }
         if scenario.gravity_m_per_s2 != [0.0; 3] {
             for body in 0..ports.names.len() {
-                let nodes = ports.decks[body].as_ref().map(Deck::nodes);
-                let weight = ports.bodies.get(body).map(|Body { matrices, .. }| {
-                    let forces = matrices.gravity_loads(scenario.gravity_m_per_s2, nodes);
-                    let acting = forces.into_iter().enumerate().filter(|(_, force)| *force != 0.0);
-                    acting.collect()
-                });
+                let weight = ports.bodies.get(body).map(|body| body.weight.clone());
                 let port = ports.add(body, weight.unwrap_or_default());
                 ports.loads.push((port, 1.0));
             }
+        }
+        for (number, spring) in scenario.springs.iter().enumerate() {
+            ports.add_spring(spring, number)?;
         }
         for (number, load) in scenario.loads.iter().enumerate() {
             ports.add_load(load, number, folder)?;
@@ -113,7 +123,7 @@ impl<'a> Ports<'a> {
                 ports.add_sensor(scenario, 0)?
             }
             None => {
-                let accepted = "{\"body\": NAME, \"node\": NUMBER, \"direction\": [x, y, z]}";
+                let accepted = PLACE;
                 return Err(SimulationError::model(
                     "/excitation",
                     "the force has no place \"at\"",
@@ -128,13 +138,13 @@ impl<'a> Ports<'a> {
         Ok(ports)
     }
 
-    fn add(&mut self, body: usize, pattern: PortPattern) -> usize {
+    pub(super) fn add(&mut self, body: usize, pattern: PortPattern) -> usize {
         self.patterns.push((body, pattern));
         self.patterns.len() - 1
     }
 
     /// The mesh of a body.
-    fn deck(&self, body: usize, place: &str) -> Result<&Deck, SimulationError> {
+    pub(super) fn deck(&self, body: usize, place: &str) -> Result<&Deck, SimulationError> {
         self.decks[body].as_ref().ok_or_else(|| {
             let problem =
                 format!("body \"{}\" has no mesh with sets and surfaces", self.names[body]);
@@ -157,7 +167,7 @@ impl<'a> Ports<'a> {
         (0..self.patterns.len()).filter(|&port| self.patterns[port].0 == body).collect()
     }
 
-    fn body(&self, name: &str, place: &str) -> Result<usize, SimulationError> {
+    pub(super) fn body(&self, name: &str, place: &str) -> Result<usize, SimulationError> {
         self.names.iter().position(|known| *known == name).ok_or_else(|| {
             let problem = format!("no body is named \"{name}\"");
             SimulationError::model(place, problem, self.names.join(", "))
@@ -171,7 +181,7 @@ impl<'a> Ports<'a> {
     ) -> Result<usize, SimulationError> {
         let place = format!("/sensors/{number}/at");
         let at = scenario.sensors.get(number).and_then(|sensor| sensor.at.as_ref());
-        let accepted = "{\"body\": NAME, \"node\": NUMBER, \"direction\": [x, y, z]}";
+        let accepted = PLACE;
         let at =
             at.ok_or_else(|| SimulationError::model(&place, "the sensor has no place", accepted))?;
         self.add_place(at, &place)
@@ -179,17 +189,99 @@ impl<'a> Ports<'a> {
 
     fn add_place(&mut self, at: &PlaceSpec, place: &str) -> Result<usize, SimulationError> {
         let body = self.body(&at.body, &format!("{place}/body"))?;
-        let Along::Node { node, direction } = at.along else {
-            let problem = "the place is one of a bar";
-            return Err(SimulationError::model(
-                place,
-                problem,
-                "node and direction of a body of matrices",
-            ));
+        let pattern = match at.along {
+            Along::Node { node, direction } if self.models[body].is_none() => {
+                let along = |body: &Body| body.along(node, direction, place);
+                self.bodies.get(body).map(along).transpose()?.unwrap_or_default()
+            }
+            Along::Response(response) => {
+                let responses = &self.model(&at.body, &format!("{place}/body"))?.responses;
+                if response >= responses.rows() {
+                    let problem = format!("the reduced model has no response {response}");
+                    let accepted = match responses.rows() {
+                        0 => "a model with an array R".to_owned(),
+                        rows => format!("0 to {}", rows - 1),
+                    };
+                    let at = format!("{place}/response");
+                    return Err(SimulationError::model(&at, problem, accepted));
+                }
+                (0..responses.columns()).map(|k| (k, responses.get(response, k))).collect()
+            }
+            _ => {
+                let problem = "the place is none of this body";
+                let accepted =
+                    "node and direction of a body of matrices, or response of a reduced model";
+                return Err(SimulationError::model(place, problem, accepted));
+            }
         };
-        let along = |body: &Body| body.along(node, direction, place);
-        let pattern = self.bodies.get(body).map(along).transpose()?;
-        Ok(self.add(body, pattern.unwrap_or_default()))
+        Ok(self.add(body, pattern))
+    }
+
+    /// The reduced model of a body.
+    pub(super) fn model(&self, body: &str, place: &str) -> Result<&ReducedModel, SimulationError> {
+        self.models[self.body(body, place)?].as_ref().ok_or_else(|| {
+            let problem = format!("body \"{body}\" is no reduced model");
+            SimulationError::model(place, problem, "a body with the format \"reduced\"")
+        })
+    }
+
+    /// Displacements of each body that are held.
+    fn held(&self, scenario: &StructureScenario) -> Result<Vec<Vec<Dof>>, SimulationError> {
+        let mut held = vec![Vec::new(); self.names.len()];
+        for (number, spec) in scenario.held.iter().enumerate() {
+            let place = format!("/held/{number}");
+            let body = self.body(&spec.body, &format!("{place}/body"))?;
+            let axes = (1..).zip(spec.direction).filter(|(_, part)| *part != 0.0);
+            let axes: Vec<u8> = axes.map(|(axis, _)| axis).collect();
+            let [axis] = axes[..] else {
+                let problem = "the direction is not along x, y or z";
+                let accepted = "one number that is not zero; a stiff spring holds other directions";
+                return Err(SimulationError::model(
+                    &format!("{place}/direction"),
+                    problem,
+                    accepted,
+                ));
+            };
+            if self.models[body].is_some() {
+                let problem = "a reduced model has no nodes";
+                return Err(SimulationError::model(&place, problem, "a body of matrices"));
+            }
+            match (spec.node, &spec.set) {
+                (Some(node), None) => held[body].push(Dof::new(node, axis)),
+                (None, Some(set)) => {
+                    let nodes = self.set(body, set, &place)?;
+                    held[body].extend(nodes.into_iter().map(|node| Dof::new(node, axis)));
+                }
+                _ => {
+                    let problem = "the displacement is given twice or not at all";
+                    return Err(SimulationError::model(&place, problem, "\"node\" or \"set\""));
+                }
+            }
+        }
+        Ok(held)
+    }
+
+    /// Adds a spring as a contact of constant stiffness that carries tension.
+    fn add_spring(&mut self, spring: &SpringSpec, number: usize) -> Result<(), SimulationError> {
+        let place = format!("/springs/{number}");
+        let from = self.add_place(&spring.from, &format!("{place}/from"))?;
+        let to = spring.to.as_ref();
+        let to = to.map(|to| self.add_place(to, &format!("{place}/to"))).transpose()?;
+        self.pairs.push(PortPair { upper: from, lower: to });
+        let fault = |source| SimulationError::ContactDamping {
+            interface: format!("spring {number}"),
+            source,
+        };
+        let law = Constant::new(spring.stiffness_n_per_m / SPRING_AREA).map_err(fault)?;
+        let time = |damping: f64| ContactDamping::kelvin_voigt(damping / spring.stiffness_n_per_m);
+        self.contacts.push(UnloadedContact {
+            name: format!("spring {number}"),
+            area: SPRING_AREA,
+            law: Arc::new(law),
+            gap: 0.0,
+            damping: spring.damping_n_s_per_m.map(time).transpose().map_err(fault)?,
+        });
+        Ok(())
     }
 
     fn add_load(
@@ -203,7 +295,21 @@ impl<'a> Ports<'a> {
         let owner = body;
         let (pattern, factor) = match load {
             StaticLoadSpec {
+                array: Some(_),
+                factor,
+                file: None,
+                node: None,
+                set: None,
+                direction: None,
+                force_n: None,
+                ..
+            } => {
+                let loads = &self.model(&load.body, &format!("{place}/body"))?.loads;
+                (loads.iter().copied().enumerate().collect(), factor.unwrap_or(1.0))
+            }
+            StaticLoadSpec {
                 file: Some(file),
+                array: None,
                 factor,
                 node: None,
                 set: None,
@@ -216,14 +322,20 @@ impl<'a> Ports<'a> {
                     let own = forces
                         .iter()
                         .filter(|one| one.body.as_ref().is_none_or(|name| *name == load.body));
-                    let rows = own.map(|one| Ok((read.row(one.dof, &place)?, one.force_n)));
-                    rows.collect::<Result<PortPattern, SimulationError>>()
+                    let mut pattern = PortPattern::new();
+                    for one in own {
+                        // The support takes a force on a row that is held.
+                        let row = read.row(one.dof, &format!("{place}/file"))?;
+                        pattern.extend(row.map(|row| (row, one.force_n)));
+                    }
+                    Ok::<_, SimulationError>(pattern)
                 };
                 let pattern = self.bodies.get(body).map(read).transpose()?;
                 (pattern.unwrap_or_default(), factor.unwrap_or(1.0))
             }
             StaticLoadSpec {
                 file: None,
+                array: None,
                 factor: None,
                 direction: Some(direction),
                 force_n: Some(force),
@@ -250,7 +362,7 @@ impl<'a> Ports<'a> {
                 (pattern.unwrap_or_default(), *force)
             }
             _ => {
-                let accepted = "\"file\" with or without \"factor\", or \"node\" or \"set\" with \"direction\" and \"force_n\"";
+                let accepted = "\"file\" or \"array\" with or without \"factor\", or \"node\" or \"set\" with \"direction\" and \"force_n\"";
                 return Err(SimulationError::model(
                     &place,
                     "the load is given twice or not at all",
@@ -261,177 +373,5 @@ impl<'a> Ports<'a> {
         let port = self.add(body, pattern);
         self.loads.push((port, factor));
         Ok(())
-    }
-
-    fn add_patch(
-        &mut self,
-        scenario: &StructureScenario,
-        patch: &PatchSpec,
-        number: usize,
-        folder: &Path,
-    ) -> Result<(), SimulationError> {
-        let place = format!("/interfaces/{number}");
-        let law = shared_law(&scenario.laws, &patch.law, LAW_PRESSURE);
-        let law: Arc<dyn ContactLaw> = law.map_err(|source: LawError| SimulationError::Law {
-            law: patch.law.name().to_owned(),
-            interface: Some(patch.name.clone()),
-            pressure_pa: LAW_PRESSURE,
-            source,
-        })?;
-        if !(law.domain().separates() || law.domain().is_bilateral()) {
-            let problem =
-                "the law never separates, so the faces have no first contact to count from";
-            let accepted = "a law with a closure at zero pressure, or a constant stiffness";
-            return Err(SimulationError::model(&format!("{place}/law"), problem, accepted));
-        }
-        let (cells, outlines) = self.cells(patch, &place, folder)?;
-        let first = self.contacts.len();
-        if first + cells.len() > MOST_CELLS {
-            let problem = format!("{} cells in all", first + cells.len());
-            let key = if patch.cells.is_some() { "cells" } else { "split" };
-            let accepted =
-                format!("at most {MOST_CELLS}; a grid such as \"split\": [12, 3] has few");
-            return Err(SimulationError::model(&format!("{place}/{key}"), problem, accepted));
-        }
-        for cell in &cells {
-            let pair = self.cell_pair(cell, patch, &place)?;
-            self.pairs.push(pair);
-            self.contacts.push(UnloadedContact {
-                name: format!("{}, cell {}", patch.name, cell.name),
-                area: cell.area_m2,
-                law: Arc::clone(&law),
-                gap: patch.initial_gap_m,
-                damping: None,
-            });
-        }
-        self.patches.push(Patch {
-            name: patch.name.clone(),
-            cells: first..self.contacts.len(),
-            cell_names: cells.into_iter().map(|cell| cell.name).collect(),
-            outlines,
-        });
-        Ok(())
-    }
-
-    /// The cells of a patch, from its file or between its surfaces, with polygons that cover them.
-    #[expect(clippy::type_complexity, reason = "polygons of each cell")]
-    fn cells(
-        &self,
-        patch: &PatchSpec,
-        place: &str,
-        folder: &Path,
-    ) -> Result<(Vec<ContactCell>, Vec<Vec<Vec<[f64; 3]>>>), SimulationError> {
-        let above = match patch {
-            PatchSpec {
-                cells: Some(file),
-                above: None,
-                below: None,
-                split: None,
-                along: None,
-                ..
-            } => {
-                return Ok((asperity_matrices::read_cells(&folder.join(file))?, Vec::new()));
-            }
-            PatchSpec { cells: None, body: None, above: Some(above), .. } => above,
-            _ => {
-                let problem = "the cells are given twice or not at all";
-                let accepted = "\"cells\", a file, with or without \"body\"; or \"above\" with or without \"below\", \"split\" and \"along\"";
-                return Err(SimulationError::model(place, problem, accepted));
-            }
-        };
-        let split = match patch.split {
-            Some(SplitSpec::Grid(cells)) => PatchSplit::Grid { cells, along: patch.along },
-            None | Some(SplitSpec::Faces(_)) if patch.along.is_none() => PatchSplit::Faces,
-            _ => {
-                let problem = "a direction without a grid";
-                let accepted = "\"along\" beside \"split\": [columns, rows]";
-                return Err(SimulationError::model(&format!("{place}/along"), problem, accepted));
-            }
-        };
-        let upper = self.surface(above, &format!("{place}/above"))?;
-        let lower = patch.below.as_ref();
-        let lower = lower.map(|side| self.surface(side, &format!("{place}/below"))).transpose()?;
-        let key = if lower.is_some() { "below" } else { "above" };
-        let made = SurfaceCells::new(&upper, lower.as_ref(), split);
-        let SurfaceCells { cells, outlines, surface_areas_m2, .. } =
-            made.map_err(|error| at(&format!("{place}/{key}"), error))?;
-        let area: f64 = cells.iter().map(|cell| cell.area_m2).sum();
-        let [above, below] = surface_areas_m2;
-        tracing::info!(
-            interface = patch.name,
-            cells = cells.len(),
-            "contact area {area:.6e} m2 of surfaces of {above:.6e} m2 and {below:.6e} m2"
-        );
-        Ok((cells, outlines))
-    }
-
-    fn surface<'b>(
-        &'b self,
-        side: &'b SurfaceSpec,
-        place: &str,
-    ) -> Result<ContactSurface<'b>, SimulationError> {
-        let body = self.body(&side.body, &format!("{place}/body"))?;
-        let deck = self.deck(body, &format!("{place}/body"))?;
-        let (key, found) = match (&side.surface, &side.set) {
-            (Some(name), None) => {
-                ("surface", ContactSurface::of_surface(deck, name, Some(&side.body)))
-            }
-            (None, Some(name)) => {
-                ("set", ContactSurface::of_node_set(deck, name, Some(&side.body)))
-            }
-            _ => {
-                let problem = "the surface is given twice or not at all";
-                return Err(SimulationError::model(place, problem, "\"surface\" or \"set\""));
-            }
-        };
-        found.map_err(|error| at(&format!("{place}/{key}"), error))
-    }
-
-    /// The closure of a cell: of one body a port of its own, of two the difference of two ports.
-    fn cell_pair(
-        &mut self,
-        cell: &ContactCell,
-        patch: &PatchSpec,
-        place: &str,
-    ) -> Result<PortPair, SimulationError> {
-        let mut patterns: Vec<(usize, PortPattern)> = Vec::new();
-        for weight in &cell.weights {
-            let name = weight.body.as_ref().or(patch.body.as_ref()).ok_or_else(|| {
-                let accepted = "\"body\" of the interface, or a column body in the file of cells";
-                SimulationError::model(place, "the cells have no body", accepted)
-            })?;
-            let body = self.body(name, &format!("{place}/body"))?;
-            let row = |body: &Body| body.row(weight.dof, &format!("{place}/cells"));
-            let row = self.bodies.get(body).map(row).transpose()?.unwrap_or_default();
-            match patterns.iter_mut().find(|(own, _)| *own == body) {
-                Some((_, pattern)) => pattern.push((row, weight.weight)),
-                None => patterns.push((body, vec![(row, weight.weight)])),
-            }
-        }
-        let mut patterns = patterns.into_iter();
-        match (patterns.next(), patterns.next(), patterns.next()) {
-            (Some((body, pattern)), None, None) => Ok(PortPair::on_ground(self.add(body, pattern))),
-            (Some((above, upper)), Some((below, lower)), None) => {
-                let upper = self.add(above, upper);
-                let negative = lower.into_iter().map(|(row, weight)| (row, -weight)).collect();
-                Ok(PortPair::between(upper, self.add(below, negative)))
-            }
-            _ => {
-                let problem = format!("cell {} joins more than two bodies", cell.name);
-                Err(SimulationError::model(
-                    &format!("{place}/cells"),
-                    problem,
-                    "cells of one or two bodies",
-                ))
-            }
-        }
-    }
-}
-
-/// A fault of a mesh with the place in the scenario that names it.
-fn at(place: &str, error: MatricesError) -> SimulationError {
-    match error {
-        MatricesError::Inconsistent { what, remedy } => SimulationError::model(place, what, remedy),
-        other => other.into(),
     }
 }

@@ -1,0 +1,348 @@
+//! Springs, dampers, held displacements and reduced models in structures of matrices: closed forms, and a second
+//! integrator.
+#![allow(clippy::print_stderr, reason = "a test without its data says that it was skipped")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+use std::f64::consts::{PI, TAU};
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use asperity_scenario::Document;
+use asperity_simulation::patches::{assemble_patches, patch_modes, simulate_patches};
+
+/// Mass \[kg\] and stiffness \[N/m\] of a chain.
+const MASS: f64 = 0.5;
+const STIFFNESS: f64 = 2e6;
+
+/// Files of free chains `a`, `b` of masses along x, with springs between neighbours, and a cell under node 1 of `a`.
+fn write_chains(folder: &Path, counts: [usize; 2]) {
+    for (name, count) in ["a", "b"].into_iter().zip(counts) {
+        let (mut stiffness, mut mass, mut rows) = (String::new(), String::new(), String::new());
+        for node in 1..=count {
+            let ends = usize::from(node > 1) + usize::from(node < count);
+            writeln!(stiffness, "{node} {node} {:e}", STIFFNESS * ends as f64).unwrap();
+            if node > 1 {
+                writeln!(stiffness, "{} {node} {:e}", node - 1, -STIFFNESS).unwrap();
+            }
+            writeln!(mass, "{node} {node} {MASS:e}").unwrap();
+            writeln!(rows, "{node}.1").unwrap();
+        }
+        fs::write(folder.join(format!("{name}.sti")), stiffness).unwrap();
+        fs::write(folder.join(format!("{name}.mas")), mass).unwrap();
+        fs::write(folder.join(format!("{name}.dof")), rows).unwrap();
+    }
+    let cells = "cell,area_m2,node,direction,weight\n0,1e-4,1,1,1\n";
+    fs::write(folder.join("first.csv"), cells).unwrap();
+    fs::write(folder.join("third.csv"), cells.replace("4,1,1", "4,3,1")).unwrap();
+}
+
+/// A chain on a contact of constant stiffness under its first node; `more` adds keys.
+fn scenario(bodies: &[&str], cells: &str, more: &str) -> String {
+    let body = |name: &&str| {
+        format!(
+            r#"{{"name": "{name}", "matrices": {{"format": "calculix", "stiffness": "{name}.sti", "mass": "{name}.mas", "rows": "{name}.dof"}}}}"#
+        )
+    };
+    let bodies: Vec<String> = bodies.iter().map(body).collect();
+    let (law, bodies) = (STIFFNESS / 1e-4, bodies.join(","));
+    format!(
+        r#"{{"schema": "asperity/scenario/1", "bodies": [{bodies}],
+             "interfaces": [{{"name": "foot", "law": {{"kind": "constant", "stiffness_pa_per_m": {law:e}}}, "body": "a", "cells": "{cells}"}}],
+             "damping": {{"kind": "mass_proportional", "rate_per_s": 0}},
+             "excitation": {{"kind": "haversine", "peak_n": 10, "duration_s": 2e-3, "at": {{"body": "a", "node": 2, "direction": [1, 0, 0]}}}},
+             "sensors": [{{"name": "two", "at": {{"body": "a", "node": 2, "direction": [1, 0, 0]}}, "kind": "displacement"}}],
+             "duration_s": 0.03 {more}}}"#
+    )
+}
+
+fn frequencies_and_ratios(text: &str, folder: &Path) -> Vec<[f64; 2]> {
+    let document = Document::parse(text, folder.join("chain.json")).unwrap();
+    let scenario = document.structure_scenario().unwrap();
+    let assembly = assemble_patches(&scenario, document.folder()).unwrap();
+    let modes = patch_modes(&assembly, 10).unwrap().modes;
+    modes.iter().map(|mode| [mode.frequency_hz, mode.damping_ratio]).collect()
+}
+
+/// Two chains of two masses joined by a spring are one chain of four, on a spring of the same stiffness:
+/// `w_j = 2 sqrt(k / m) sin((2 j - 1) pi / 18)`, shapes `sin((2 j - 1) i pi / 9)`. A damper on the spring between the
+/// second and the third mass has the loss of their relative motion.
+#[test]
+fn bodies_joined_by_a_damped_spring_are_one_chain() {
+    let folder = tempfile::tempdir().unwrap();
+    write_chains(folder.path(), [2, 2]);
+    let damper = 3.0;
+    let spring = format!(
+        r#", "springs": [{{"from": {{"body": "a", "node": 2, "direction": [1, 0, 0]}},
+            "to": {{"body": "b", "node": 1, "direction": [2, 0, 0]}},
+            "stiffness_n_per_m": {STIFFNESS:e}, "damping_n_s_per_m": {damper}}}]"#
+    );
+    let text = scenario(&["a", "b"], "first.csv", &spring);
+    let found = frequencies_and_ratios(&text, folder.path());
+    assert_eq!(found.len(), 4);
+    for (j, [frequency, ratio]) in found.into_iter().enumerate() {
+        let odd = (2 * j + 1) as f64;
+        let w = 2.0 * (STIFFNESS / MASS).sqrt() * (odd * PI / 18.0).sin();
+        assert!((TAU * frequency / w - 1.0).abs() < 1e-9, "{frequency} {}", w / TAU);
+        let shape = [1, 2, 3, 4].map(|i| (odd * f64::from(i) * PI / 9.0).sin());
+        let modal_mass = MASS * shape.iter().map(|x| x * x).sum::<f64>();
+        let expected = damper * (shape[2] - shape[1]).powi(2) / modal_mass / (2.0 * w);
+        assert!((ratio - expected).abs() < 1e-9 * expected + 1e-15, "{ratio} {expected}");
+    }
+}
+
+/// The motion of a chain with a strong damper to the ground, by fourth-order steps of its equations.
+#[test]
+fn a_damper_acts_in_time_as_by_another_integrator() {
+    let folder = tempfile::tempdir().unwrap();
+    write_chains(folder.path(), [2, 2]);
+    let (spring, damper) = (5e5, 400.0);
+    let more = format!(
+        r#", "accuracy": 1e-4, "springs": [{{"from": {{"body": "a", "node": 2, "direction": [1, 0, 0]}},
+            "stiffness_n_per_m": {spring:e}, "damping_n_s_per_m": {damper}}}]"#
+    );
+    let text = scenario(&["a"], "first.csv", &more);
+    let document = Document::parse(&text, folder.path().join("chain.json")).unwrap();
+    let run =
+        simulate_patches(&document, &document.structure_scenario().unwrap(), &|_| ()).unwrap().run;
+    let history = &run.transient.history;
+    let accelerations = |t: f64, [x1, x2, _, v2]: [f64; 4]| {
+        let force = if t < 2e-3 { 10.0 * (PI * t / 2e-3).sin().powi(2) } else { 0.0 };
+        let between = STIFFNESS * (x2 - x1);
+        let first = between - STIFFNESS * x1;
+        let second = force - between - spring * x2 - damper * v2;
+        [first / MASS, second / MASS]
+    };
+    let rate = |t: f64, y: [f64; 4]| {
+        let [a, b] = accelerations(t, y);
+        [y[2], y[3], a, b]
+    };
+    let ahead = |y: [f64; 4], k: [f64; 4], h: f64| [0, 1, 2, 3].map(|i| y[i] + h * k[i]);
+    let interval = history.time[1] - history.time[0];
+    let parts = (interval / 1e-6).ceil() as usize;
+    let h = interval / parts as f64;
+    let (mut y, mut most, mut off) = ([0.0_f64; 4], 0.0_f64, 0.0_f64);
+    for (sample, found) in history.sensors[0].displacement.iter().enumerate() {
+        most = most.max(y[1].abs());
+        off = off.max((found - y[1]).abs());
+        for part in 0..parts {
+            let t = history.time[sample] + part as f64 * h;
+            let a = rate(t, y);
+            let b = rate(t + 0.5 * h, ahead(y, a, 0.5 * h));
+            let c = rate(t + 0.5 * h, ahead(y, b, 0.5 * h));
+            let d = rate(t + h, ahead(y, c, h));
+            y = [0, 1, 2, 3].map(|i| y[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+        }
+    }
+    assert!(most > 1e-6 && off < 2e-4 * most, "{most:e} {off:e}");
+    let energy = &run.transient.energy;
+    assert!(energy.dissipated > 0.9 * energy.input, "{energy:?}");
+    assert!(energy.residual_relative() < 1e-3, "{energy:?}");
+}
+
+/// A chain of three whose first mass is held, on a contact under the third: `w^2 = k / m` and `3 k / m`. Under gravity
+/// each mass moves by `m g / k`, and the contact carries one weight.
+#[test]
+fn held_displacements_are_no_motions() {
+    let folder = tempfile::tempdir().unwrap();
+    write_chains(folder.path(), [3, 2]);
+    let more = r#", "gravity_m_per_s2": [9.81, 0, 0], "held": [{"body": "a", "node": 1, "direction": [-1, 0, 0]}]"#;
+    let text = scenario(&["a"], "third.csv", more);
+    let found = frequencies_and_ratios(&text, folder.path());
+    assert_eq!(found.len(), 2);
+    for ([frequency, _], square) in found.iter().zip([1.0, 3.0]) {
+        let w = (square * STIFFNESS / MASS).sqrt();
+        assert!((TAU * frequency / w - 1.0).abs() < 1e-9, "{frequency} {}", w / TAU);
+    }
+    let document = Document::parse(&text, folder.path().join("chain.json")).unwrap();
+    let scenario = document.structure_scenario().unwrap();
+    let structure = assemble_patches(&scenario, document.folder()).unwrap().structure;
+    let force = 1e-4 * structure.structure.contacts()[0].pressure();
+    assert!((force / (MASS * 9.81) - 1.0).abs() < 1e-9, "{force}");
+
+    let cases = [
+        ("/held/0/node", "9", "no row of node 9 direction 1"),
+        (
+            "/held/0/direction",
+            "[1, 1, 0]",
+            "/held/0/direction: the direction is not along x, y or z",
+        ),
+        (
+            "/held/0",
+            r#"{"body": "a", "set": "FOOT", "direction": [1, 0, 0]}"#,
+            "/held/0/set: body \"a\" has no mesh",
+        ),
+        ("/held/0/body", "c", "/held/0/body: no body is named \"c\""),
+        ("/excitation/at/node", "1", "/excitation/at: node 1 of body \"a\" is held there"),
+    ];
+    for (pointer, value, expected) in cases {
+        let mut document = document.clone();
+        document.set(pointer, value).unwrap();
+        let scenario = document.structure_scenario().unwrap();
+        let error =
+            assemble_patches(&scenario, document.folder()).map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+/// A MATLAB 5 file of full real matrices, by rows.
+fn mat_file(arrays: &[(&str, &[&[f64]])]) -> Vec<u8> {
+    let mut bytes = format!("{:<124}", "MATLAB 5.0 MAT-file").into_bytes();
+    bytes.extend([0x00, 0x01, b'I', b'M']);
+    for (name, rows) in arrays {
+        let (count, columns) = (rows.len(), rows[0].len());
+        let mut body: Vec<u8> = Vec::new();
+        let mut element = |kind: u32, data: &[u8]| {
+            body.extend(kind.to_le_bytes());
+            body.extend((data.len() as u32).to_le_bytes());
+            body.extend(data);
+            body.resize(body.len().next_multiple_of(8), 0);
+        };
+        element(6, &[6, 0, 0, 0, 0, 0, 0, 0]);
+        let sizes: Vec<u8> =
+            [count, columns].iter().flat_map(|n| (*n as u32).to_le_bytes()).collect();
+        element(5, &sizes);
+        element(1, name.as_bytes());
+        let values = (0..columns).flat_map(|column| rows.iter().map(move |row| row[column]));
+        let values: Vec<u8> = values.flat_map(f64::to_le_bytes).collect();
+        element(9, &values);
+        bytes.extend(14_u32.to_le_bytes());
+        bytes.extend((body.len() as u32).to_le_bytes());
+        bytes.extend(body);
+    }
+    bytes
+}
+
+/// A reduced model whose coordinates are mixed displacements is the chain that it was made of.
+#[test]
+fn a_reduced_model_is_the_structure_that_it_was_made_of() {
+    let folder = tempfile::tempdir().unwrap();
+    write_chains(folder.path(), [2, 2]);
+    // x = T q of a free chain of two masses: x1 = q1, x2 = q1 + q2.
+    let (m, k) = (MASS, STIFFNESS);
+    let arrays: &[(&str, &[&[f64]])] = &[
+        ("K", &[&[0.0, 0.0], &[0.0, k]]),
+        ("M", &[&[2.0 * m, m], &[m, m]]),
+        ("W", &[&[1.0, 0.0]]),
+        ("area", &[&[1e-4]]),
+        ("f", &[&[4.0], &[1.5]]),
+        ("R", &[&[1.0, 0.0], &[1.0, 1.0]]),
+    ];
+    fs::write(folder.path().join("a.mat"), mat_file(arrays)).unwrap();
+    fs::write(folder.path().join("loads.csv"), "node,direction,force_n\n1,1,5\n2,1,3\n").unwrap();
+    let power = |text: String| {
+        let constant =
+            format!(r#"{{"kind": "constant", "stiffness_pa_per_m": {:e}}}"#, STIFFNESS / 1e-4);
+        text.replace(&constant, r#"{"kind": "power", "coefficient": 1e8, "exponent": 0.5}"#)
+    };
+    let full = scenario(&["a"], "first.csv", r#", "loads": [{"body": "a", "file": "loads.csv"}]"#);
+    let full = power(full);
+    let reduced = power(scenario(
+        &["a"],
+        "first.csv",
+        r#", "loads": [{"body": "a", "array": "f", "factor": 2}]"#,
+    ))
+    .replace(
+        r#"{"format": "calculix", "stiffness": "a.sti", "mass": "a.mas", "rows": "a.dof"}"#,
+        r#"{"format": "reduced", "stiffness": "a.mat"}"#,
+    )
+    .replace(r#""cells": "first.csv""#, r#""array": "W""#)
+    .replace(r#""node": 2, "direction": [1, 0, 0]"#, r#""response": 1"#);
+    let run = |text: &str| {
+        let document = Document::parse(text, folder.path().join("chain.json")).unwrap();
+        simulate_patches(&document, &document.structure_scenario().unwrap(), &|_| ()).unwrap()
+    };
+    for _ in ["reduced", "kept"] {
+        let [one, other] = [run(&full), run(&reduced)];
+        let pressure = one.cells[0][0].pressure_pa;
+        assert!((pressure / 8e4 - 1.0).abs() < 1e-9, "{pressure}");
+        assert!((other.cells[0][0].pressure_pa / pressure - 1.0).abs() < 1e-9);
+        let [one, other] =
+            [&one, &other].map(|run| &run.run.transient.history.sensors[0].displacement);
+        let most = one.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let off = one.iter().zip(other).fold(0.0_f64, |off, (a, b)| off.max((a - b).abs()));
+        assert!(most > 1e-7 && off < 1e-7 * most, "{most:e} {off:e}");
+    }
+    let cases = [
+        (
+            "/sensors/0/at/response",
+            "2",
+            "/sensors/0/at/response: the reduced model has no response 2; accepted: 0 to 1",
+        ),
+        (
+            "/sensors/0/at",
+            r#"{"body": "a", "node": 1, "direction": [1, 0, 0]}"#,
+            "/sensors/0/at: the place is none of this body",
+        ),
+        (
+            "/bodies/0/matrices/rows",
+            "a.dof",
+            "/bodies/0/matrices/rows: a reduced model is one file in SI",
+        ),
+        ("/bodies/0/matrices/stiffness", "a.sti", "a.sti"),
+    ];
+    for (pointer, value, expected) in cases {
+        let mut document = Document::parse(&reduced, folder.path().join("chain.json")).unwrap();
+        document.set(pointer, value).unwrap();
+        let scenario = document.structure_scenario().unwrap();
+        let error =
+            assemble_patches(&scenario, document.folder()).map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+const BEAM: &str = r#"{"schema": "asperity/scenario/1",
+ "bodies": [{"name": "beam", "matrices": {"format": "reduced", "stiffness": "brake_reuss_reduced.mat"}, "reduction": {"modes": 100}}],
+ "loads": [{"body": "beam", "array": "f"}],
+ "interfaces": [{"name": "lap", "body": "beam", "array": "W", "law": {"kind": "constant", "stiffness_pa_per_m": 1042475690030.8336}}],
+ "damping": {"kind": "mass_proportional", "rate_per_s": 6},
+ "excitation": {"kind": "haversine", "peak_n": 100, "duration_s": 6e-4, "at": {"body": "beam", "response": 0}},
+ "sensors": [{"name": "end", "at": {"body": "beam", "response": 1}, "kind": "acceleration"}],
+ "duration_s": 0.02}"#;
+
+/// The bolted beam from its reduced file, whose modes are those of the full matrices within 1e-5. Six motions of the free
+/// beam close no cell; rounding gives one of them closures of 5e-9, which hold nothing.
+#[test]
+fn the_reduced_beam_vibrates_as_by_the_reference() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fe/brake_reuss");
+    if !data.is_dir() {
+        eprintln!("skipped the_reduced_beam_vibrates_as_by_the_reference: no data of brake_reuss");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = "brake_reuss_reduced.mat";
+    fs::copy(data.join(file), folder.path().join(file)).unwrap();
+    let elastic = |text: &str| -> Vec<f64> {
+        let document = Document::parse(text, folder.path().join("beam.json")).unwrap();
+        let scenario = document.structure_scenario().unwrap();
+        let assembly = assemble_patches(&scenario, document.folder()).unwrap();
+        let modes = patch_modes(&assembly, 16).unwrap().modes;
+        modes.iter().map(|mode| mode.frequency_hz).filter(|hz| *hz > 1.0).collect()
+    };
+    let linear = [
+        147.0118, 156.5419, 584.4114, 648.8191, 921.0021, 963.3504, 1139.0655, 1510.2373,
+        1725.0635, 1931.8840,
+    ];
+    let power = [
+        148.4033, 156.5448, 588.0532, 649.0043, 921.4469, 963.7154, 1140.1344, 1539.9567,
+        1734.8473, 1933.4864,
+    ];
+    let text = BEAM.replace(
+        r#"{"kind": "constant", "stiffness_pa_per_m": 1042475690030.8336}"#,
+        r#"{"kind": "power", "coefficient": 2.5e9, "exponent": 0.5}"#,
+    );
+    for (text, expected) in [(BEAM, linear), (&text, power)] {
+        let found = elastic(text);
+        assert_eq!(found.len(), 10);
+        for (own, expected) in found.iter().zip(expected) {
+            assert!((own / expected - 1.0).abs() < 1.2e-5, "{own} {expected}");
+        }
+    }
+    let document = Document::parse(&text, folder.path().join("beam.json")).unwrap();
+    let run =
+        simulate_patches(&document, &document.structure_scenario().unwrap(), &|_| ()).unwrap();
+    assert_eq!(run.cells[0].len(), 76);
+    let least = run.cells[0].iter().map(|cell| cell.pressure_pa).fold(f64::INFINITY, f64::min);
+    assert!((least / 305_605.438_374_5 - 1.0).abs() < 1e-7, "{least}");
+    assert!(run.run.transient.energy.residual_relative() < 1e-3);
+}
