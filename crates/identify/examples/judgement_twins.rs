@@ -189,9 +189,9 @@ fn truth(seed: u64, twin: usize) {
 /// Prints the counts by kind, for right and wrong models.
 fn count(rows: &[Row]) {
     println!(
-        "| model | kind | yes | with care | no | failed | yes, and fewer than 80 % of the informed pressures inside | inside where yes or with care |"
+        "| model | kind | yes | with care | of these for the rigid support alone | no | failed | yes, and fewer than 80 % of the informed pressures inside | inside where yes or with care |"
     );
-    println!("|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|");
     for right in [true, false] {
         for kind in KINDS.into_iter().map(Some).chain([None]) {
             let own: Vec<&Row> = rows
@@ -199,6 +199,10 @@ fn count(rows: &[Row]) {
                 .filter(|row| row.right == right && kind.is_none_or(|kind| row.kind == kind))
                 .collect();
             let of = |word: &str| own.iter().filter(|row| row.usability == word).count();
+            let is_of_support = |row: &&&Row| {
+                let mut care = row.reasons.iter().filter(|words| words.starts_with("with_care"));
+                row.usability == "with_care" && care.all(|words| words.contains("taken as rigid"))
+            };
             let is_calm = |row: &&&Row| {
                 row.usability == "yes" && (row.inside as f64) < 0.8 * row.informed as f64
             };
@@ -207,11 +211,12 @@ fn count(rows: &[Row]) {
             let (inside, informed) =
                 used().fold((0, 0), |sum, row| (sum.0 + row.inside, sum.1 + row.informed));
             println!(
-                "| {} | {} | {} | {} | {} | {} | {} | {inside} of {informed} |",
+                "| {} | {} | {} | {} | {} | {} | {} | {} | {inside} of {informed} |",
                 if right { "right" } else { "wrong" },
                 kind.unwrap_or("all"),
                 of("yes"),
                 of("with_care"),
+                own.iter().filter(is_of_support).count(),
                 of("no"),
                 of("failed"),
                 own.iter().filter(is_calm).count(),

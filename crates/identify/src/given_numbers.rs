@@ -79,6 +79,8 @@ pub struct RigidSupport {
     /// Stiffness \[N/m\] of a half-space of steel under the lowest contact: `2 E a / (1 - nu^2)` with the radius a
     /// of a circle of its area. Source: K. L. Johnson, *Contact Mechanics*, 1985, section 3.4.
     pub half_space_n_per_m: f64,
+    /// Change of ln K with a support of that stiffness.
+    pub half_space_shift: f64,
 }
 
 impl GivenNumbers {
@@ -162,6 +164,7 @@ impl GivenNumbers {
             stiffness_n_per_m,
             pressure_pa,
             half_space_n_per_m,
+            half_space_shift: slope / half_space_n_per_m,
         })
     }
 

@@ -117,6 +117,10 @@ const AS_GOOD: f64 = 4.0;
 /// Least share of a number of the law in an undetermined combination.
 const LEAST_SHARE: f64 = 0.1;
 
+/// Half widths of its band by which a support of usual stiffness may move a law before care is needed: from
+/// there on no place in the band holds what was inside of it.
+const SUPPORT_WIDTHS: f64 = 2.0;
+
 /// p-value of a smaller chi-square below which the standard deviations are too large.
 const TOO_GOOD: f64 = 1e-6;
 
@@ -233,6 +237,7 @@ impl Identification {
     /// | sampler | R-hat above 1.02, less than a fifth of the draws effective | R-hat above 1.05, fewer than 100 effective, weights cut, draws that leave out a part of a profile |
     /// | best value outside its interval | | an interval with two ends, or the band where the data inform it |
     /// | starts | one alone reached the lowest cost | and the law does not agree; an optimum as good outside the intervals |
+    /// | rigid support | a half-space of steel in its place moves the law by more than the width of its band | |
     /// | compared laws | a constant stiffness is not rejected | another is the best, and the law is rejected |
     pub fn judgement(&self) -> Judgement {
         let mut reasons = Vec::new();
@@ -537,18 +542,24 @@ impl Identification {
     /// No residual shows a compliance in series with all contacts: the law takes it up.
     fn of_support(&self) -> Option<Reason> {
         let support = self.rigid_support.filter(|_| self.law.informed_range().is_some())?;
+        let half_widths = support.stiffness_n_per_m / support.half_space_n_per_m;
+        let usability =
+            if half_widths > SUPPORT_WIDTHS { Usability::WithCare } else { Usability::Yes };
         let words = format!(
-            "the support is taken as rigid, which the data hardly test: one of less than {} N/m would move the stiffness at {} MPa by more than half of the width of its band. Under the lowest contact a half-space of steel has {} N/m.",
-            four_digits(support.stiffness_n_per_m),
+            "the support is taken as rigid, which the data hardly test: a half-space of steel under the lowest contact has {} N/m and would move the stiffness at {} MPa by {:.2} %, {:.1} times half of the width of its band; a support of less than {} N/m by more than that half. A support \"spring_mass\" in the scenario, with its stiffness, takes it into account.",
+            four_digits(support.half_space_n_per_m),
             four_digits(1e-6 * support.pressure_pa),
-            four_digits(support.half_space_n_per_m)
+            100.0 * support.half_space_shift,
+            half_widths,
+            four_digits(support.stiffness_n_per_m),
         );
         let numbers = [
             ("stiffness_n_per_m", support.stiffness_n_per_m),
             ("pressure_pa", support.pressure_pa),
             ("half_space_n_per_m", support.half_space_n_per_m),
+            ("half_space_shift", support.half_space_shift),
         ];
-        Some(Reason::new(ReasonKind::RigidSupport, Usability::Yes, words, numbers))
+        Some(Reason::new(ReasonKind::RigidSupport, usability, words, numbers))
     }
 
     fn of_spreads(&self) -> Option<Reason> {

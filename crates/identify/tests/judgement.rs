@@ -1,7 +1,9 @@
 //! The judgement of an identification: synthetic data of stiffnesses, for each reason.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use asperity_identify::{Identification, IdentificationProblem, ReasonKind, Usability, identify};
+use asperity_identify::{
+    GivenNumber, Identification, IdentificationProblem, ReasonKind, Usability, identify,
+};
 use asperity_scenario::Document;
 use serde_json::{Value, json};
 
@@ -246,8 +248,8 @@ fn given_numbers_are_listed_and_their_tolerance_is_in_the_band() {
 /// A frequency of the rig determines the stiffness of the whole stack: a support taken as rigid is remarked
 /// with the stiffness at which it matters, which is that of an elastic support in the model.
 #[test]
-fn a_support_taken_as_rigid_is_remarked() {
-    let found = |support: Value| {
+fn a_support_taken_as_rigid_needs_care_where_a_usual_one_moves_the_law() {
+    let found = |support: Value, given: &[Value]| {
         let mut rig = rig();
         rig["method"] = json!({"kind": "modal", "step_s": 2e-5, "modes_per_body": 2});
         rig["support"] = support;
@@ -258,28 +260,47 @@ fn a_support_taken_as_rigid_is_remarked() {
             "scenario": rig,
             "unknowns": [unknowns()[0]],
             "data": [{"kind": "hits", "hits": [hit]}],
+            "given": given,
             "draws": 200,
         });
         let document = Document::parse(&problem.to_string(), "problem.json").unwrap();
         identify(&IdentificationProblem::of(document).unwrap()).unwrap()
     };
-    let rigid = found(json!({"kind": "rigid"}));
+    let use_of = |found: &Identification| {
+        let reasons = found.judgement().reasons.into_iter();
+        reasons
+            .filter(|reason| reason.kind == ReasonKind::RigidSupport)
+            .map(|one| one.usability)
+            .next()
+    };
+    // By their digits the given numbers move the law as much as a support of usual stiffness.
+    let rigid = found(json!({"kind": "rigid"}), &[]);
+    assert_eq!(use_of(&rigid), Some(Usability::Yes));
+    let exact = |one: &GivenNumber| json!({"pointer": one.pointer, "relative": 1e-9});
+    let exact: Vec<Value> = rigid.given.iter().map(exact).collect();
+    let rigid = found(json!({"kind": "rigid"}), &exact);
     let support = rigid.rigid_support.unwrap();
-    let remark = rigid.judgement().reasons.into_iter();
-    let mut remark = remark.filter(|reason| reason.kind == ReasonKind::RigidSupport);
-    assert_eq!(remark.next().unwrap().usability, Usability::Yes);
+    let widths = support.stiffness_n_per_m / support.half_space_n_per_m;
+    assert!(widths > 2.0, "{widths}");
+    assert_eq!(use_of(&rigid), Some(Usability::WithCare));
     let band = &rigid.law;
     let place = band.pressure.iter().position(|p| *p == support.pressure_pa).unwrap();
     let half_width = 0.5 * (band.upper[place] / band.lower[place]).ln();
     let stiffness = 2e9;
-    let elastic = found(json!({"kind": "spring_mass", "stiffness_n_per_m": stiffness,
-        "mass_kg": 1e-3, "damping_ratio": 0.01}));
+    let elastic = found(
+        json!({"kind": "spring_mass", "stiffness_n_per_m": stiffness,
+        "mass_kg": 1e-3, "damping_ratio": 0.01}),
+        &[],
+    );
+    assert_eq!(use_of(&elastic), None);
     assert_eq!(elastic.rigid_support, None);
     let moved = (elastic.law.stiffness[place] / band.stiffness[place]).ln();
     let expected = support.stiffness_n_per_m * half_width / stiffness;
     assert!((moved / expected - 1.0).abs() < 0.05, "{moved} {expected}");
     // 2 E a / (1 - nu^2) of an area of 1.15e-4 m2.
     assert!((support.half_space_n_per_m / 2.79e9 - 1.0).abs() < 0.01);
+    let shift = support.half_space_shift * support.half_space_n_per_m / stiffness;
+    assert!((moved / shift - 1.0).abs() < 0.05, "{moved} {shift}");
 }
 
 /// A model without predictions about its best fit has no posterior, which voids the law: the fit is told.

@@ -50,7 +50,8 @@ impl Fit<'_> {
         let parameters = optimum.len();
         let free = vec![false; parameters];
         let stencil = |order, norms: &[f64]| {
-            let steps = StencilStep { relative: self.options.difference_step, norms };
+            let steps =
+                StencilStep { relative: self.options.difference_step, norms, lengthened: false };
             Stencil::new(problem, &optimum, &free, steps, order)
         };
         let standardised =

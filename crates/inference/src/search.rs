@@ -36,8 +36,15 @@ impl FitTermination {
 
 /// Least ratio of actual to expected reduction of the cost of an accepted step.
 const LEAST_RATIO: f64 = 1e-4;
+/// Damping of the first step.
+const FIRST_DAMPING: f64 = 1e-3;
 /// Damping beyond which a step is below rounding.
 const MAX_DAMPING: f64 = 1e20;
+
+/// Ratio of actual to expected reduction below which a step is corrected for the curvature of the predictions.
+const GOOD_RATIO: f64 = 0.75;
+/// Longest correction over the step (Transtrum and Sethna's bound of the acceleration, 0.75, halved).
+const LARGEST_CORRECTION: f64 = 0.375;
 
 /// Least ratio of actual to expected reduction after which updated derivatives are used further.
 const UPDATED_RATIO: f64 = 0.25;
@@ -64,7 +71,26 @@ pub(crate) struct Known {
 enum Request {
     Start,
     Derivatives(Stencil),
-    Trial { x: Vec<f64>, step: Vec<f64>, expected: f64 },
+    Trial(Trial),
+}
+
+/// A step and the reduction of the cost that the linearised problem expects of it.
+struct Trial {
+    x: Vec<f64>,
+    step: Vec<f64>,
+    expected: f64,
+    /// The step without its correction, where this one is corrected.
+    plain: Option<Box<Tried>>,
+}
+
+/// A point that was tried.
+struct Tried {
+    x: Vec<f64>,
+    step: Vec<f64>,
+    predictions: Predictions,
+    residuals: Vec<f64>,
+    /// Fall of the cost.
+    fall: f64,
 }
 
 /// Levenberg-Marquardt within bounds from one start.
@@ -72,9 +98,10 @@ enum Request {
 /// Damping follows Nielsen's rule, scaled by the largest column norms so far (as in MINPACK). After
 /// a step that reduced the cost as expected, the derivatives are those before it with Broyden's
 /// update; after any other they are computed again, and before the end of a search from a start
-/// too. A search from a known point nearby also ends on updated derivatives.
+/// too. A search from a known point nearby also ends on updated derivatives. A step that fell short of
+/// the expected reduction is corrected for the curvature that it has shown.
 /// Sources: J. J. Moré, Lecture Notes in Mathematics 630 (1978); H. B. Nielsen, IMM-REP-1999-05;
-/// C. G. Broyden, Math. Comp. 19, 577 (1965).
+/// C. G. Broyden, Math. Comp. 19, 577 (1965); M. K. Transtrum, J. P. Sethna, arXiv:1201.5885 (2012).
 pub(crate) struct Search {
     pub(crate) x: Vec<f64>,
     held: Vec<bool>,
@@ -94,6 +121,8 @@ pub(crate) struct Search {
     scaling: Vec<f64>,
     damping: f64,
     growth: f64,
+    /// True from where no step lowered the cost: differences are taken over longer steps.
+    lengthened: bool,
     /// Largest expected reduction of the steps that were rejected with these derivatives.
     rejected: f64,
     request: Request,
@@ -119,7 +148,8 @@ impl Search {
             known: None,
             linear: None,
             scaling,
-            damping: 1e-3,
+            damping: FIRST_DAMPING,
+            lengthened: false,
             growth: 2.0,
             rejected: 0.0,
             request: Request::Start,
@@ -165,7 +195,7 @@ impl Search {
         match &self.request {
             Request::Start => vec![self.x.clone()],
             Request::Derivatives(stencil) => stencil.points.clone(),
-            Request::Trial { x, .. } => vec![x.clone()],
+            Request::Trial(trial) => vec![trial.x.clone()],
         }
     }
 
@@ -206,9 +236,9 @@ impl Search {
                 self.updates = 0;
                 self.linearise(problem, options);
             }
-            Request::Trial { x, step, expected } => {
+            Request::Trial(trial) => {
                 let answer = answers.into_iter().next().and_then(Result::ok);
-                self.assess(problem, options, x, &step, expected, answer);
+                self.assess(problem, options, trial, answer);
             }
         }
     }
@@ -235,7 +265,11 @@ impl Search {
     }
 
     fn request_derivatives(&mut self, problem: &FitProblem<'_>, options: &FitOptions) {
-        let steps = StencilStep { relative: options.difference_step, norms: &self.scaling };
+        let steps = StencilStep {
+            relative: options.difference_step,
+            norms: &self.scaling,
+            lengthened: self.lengthened,
+        };
         self.request =
             Request::Derivatives(Stencil::new(problem, &self.x, &self.held, steps, Order::Second));
     }
@@ -248,6 +282,14 @@ impl Search {
         } else {
             termination
         };
+        // Errors of the predictions spoil differences over short steps.
+        if termination == FitTermination::NoReduction && self.updates == 0 && !self.lengthened {
+            self.lengthened = true;
+            self.damping = FIRST_DAMPING;
+            self.growth = 2.0;
+            self.request_derivatives(problem, options);
+            return;
+        }
         let good_enough = self.near && termination != FitTermination::NoReduction;
         if self.updates == 0 || good_enough {
             self.termination = Some(termination);
@@ -319,8 +361,8 @@ impl Search {
             || (self.x[j] >= problem.upper[j] && gradient <= 0.0)
     }
 
-    fn propose(&mut self, problem: &FitProblem<'_>, options: &FitOptions) {
-        let Some(linear) = &self.linear else { return };
+    /// How far each parameter may go from the point, down and up.
+    fn room(&self, problem: &FitProblem<'_>, linear: &LinearisedCost) -> Vec<[f64; 2]> {
         let gradient = linear.gradient(self.x.len());
         let room = |j: usize| {
             if self.held[j] || self.blocked(problem, j, gradient[j]) {
@@ -328,7 +370,12 @@ impl Search {
             }
             [problem.lower[j] - self.x[j], problem.upper[j] - self.x[j]]
         };
-        let room: Vec<[f64; 2]> = (0..self.x.len()).map(room).collect();
+        (0..self.x.len()).map(room).collect()
+    }
+
+    fn propose(&mut self, problem: &FitProblem<'_>, options: &FitOptions) {
+        let Some(linear) = &self.linear else { return };
+        let room = self.room(problem, linear);
         while self.damping <= MAX_DAMPING {
             if self.iterations >= options.max_iterations {
                 self.termination = Some(FitTermination::IterationLimit);
@@ -344,7 +391,7 @@ impl Search {
                     return;
                 }
                 if expected > 0.0 {
-                    self.request = Request::Trial { x, step, expected };
+                    self.request = Request::Trial(Trial { x, step, expected, plain: None });
                     return;
                 }
             }
@@ -354,27 +401,101 @@ impl Search {
         self.end(problem, options, FitTermination::NoReduction);
     }
 
-    /// Accepts or rejects a trial step.
+    /// Fall of the cost to a point. An observation with a prediction at one of the two points alone counts as
+    /// no better where it has none: otherwise a search stays where predictions are missing, since their
+    /// residual is less than those of a poor fit.
+    fn fall(
+        &self,
+        problem: &FitProblem<'_>,
+        (x, predictions, residuals): (&[f64], &Predictions, &[f64]),
+    ) -> f64 {
+        let (mut before, mut after) = (self.residuals.clone(), residuals.to_vec());
+        for i in 0..before.len() {
+            let worse = before[i].abs().max(after[i].abs());
+            match (self.predictions[i], predictions[i]) {
+                (None, Some(_)) => before[i] = worse,
+                (Some(_), None) => after[i] = worse,
+                _ => {}
+            }
+        }
+        problem.cost(&before, &self.x) - problem.cost(&after, x)
+    }
+
+    /// The step with its correction for the curvature of the predictions along it, which the plain step has
+    /// shown: the minimum of `|r + J d + k + J c|^2 + damping |D c|^2` over corrections `c`, with `k` the
+    /// predictions at the end of the step less those of the linear model. `None` where the correction is not
+    /// small against the step.
+    fn corrected(&self, problem: &FitProblem<'_>, plain: &Tried) -> Option<Vec<f64>> {
+        let linear = self.linear.as_ref()?;
+        let both = |i: usize| self.predictions[i].is_some() && plain.predictions[i].is_some();
+        let change = |i: usize| if both(i) { plain.residuals[i] - self.residuals[i] } else { 0.0 };
+        let counted = (0..self.residuals.len()).filter(|&i| problem.counts(i));
+        let weight = |i: usize| problem.loss.weight(self.residuals[i]) / problem.noise_variance;
+        let mut curvature: Vec<f64> = counted
+            .zip(&linear.jacobian)
+            .map(|(i, row)| weight(i).sqrt() * change(i) - dot(row, &plain.step))
+            .collect();
+        // Priors are linear.
+        curvature.resize(linear.residuals.len(), 0.0);
+        let jacobian = linear.jacobian.clone();
+        let room: Vec<[f64; 2]> = self.room(problem, linear);
+        let room: Vec<[f64; 2]> = room
+            .iter()
+            .zip(&plain.step)
+            .map(|(room, step)| [(room[0] - step).min(0.0), (room[1] - step).max(0.0)])
+            .collect();
+        let curved = LinearisedCost { jacobian, residuals: curvature };
+        let correction = curved.step(self.damping, &self.scaling, &room)?;
+        let length = |step: &[f64]| {
+            step.iter().zip(&self.scaling).map(|(s, d)| (s * d).powi(2)).sum::<f64>().sqrt()
+        };
+        if length(&correction) > LARGEST_CORRECTION * length(&plain.step) {
+            return None;
+        }
+        Some(plain.step.iter().zip(&correction).map(|(step, c)| step + c).collect())
+    }
+
+    /// Accepts or rejects a trial step, or corrects it.
     fn assess(
         &mut self,
         problem: &FitProblem<'_>,
         options: &FitOptions,
-        x: Vec<f64>,
-        step: &[f64],
-        expected: f64,
+        trial: Trial,
         answer: Option<Predictions>,
     ) {
-        let tried = answer.map(|predictions| {
+        let Trial { x, step, expected, plain } = trial;
+        let is_corrected = plain.is_some();
+        let mut tried = answer.map(|predictions| {
             let residuals = problem.residuals(&predictions);
-            let fall = self.cost - problem.cost(&residuals, &x);
-            (predictions, residuals, fall)
+            let fall = self.fall(problem, (&x, &predictions, &residuals));
+            Tried { x, step: step.clone(), predictions, residuals, fall }
         });
+        if let Some(plain) = plain
+            && tried.as_ref().is_none_or(|tried| tried.fall < plain.fall)
+        {
+            tried = Some(*plain);
+        }
+        if !is_corrected
+            && self.updates == 0
+            && let Some(plain) = tried.take_if(|tried| tried.fall < GOOD_RATIO * expected)
+        {
+            if let Some(step) = self.corrected(problem, &plain) {
+                let mut x: Vec<f64> = self.x.iter().zip(&step).map(|(x, step)| x + step).collect();
+                problem.clamp(&mut x);
+                let plain = Some(Box::new(plain));
+                self.request = Request::Trial(Trial { x, step, expected, plain });
+                return;
+            }
+            tried = Some(plain);
+        }
         let little = expected <= options.tolerance * self.cost;
         let short = step.iter().enumerate().all(|(j, step)| {
             step.abs() <= options.tolerance * problem.parameters[j].length(self.x[j])
         });
         match tried {
-            Some((predictions, residuals, fall)) if fall > LEAST_RATIO * expected => {
+            Some(Tried { x, predictions, residuals, fall, .. })
+                if fall > LEAST_RATIO * expected =>
+            {
                 let ratio = fall / expected;
                 self.damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(0.1, 2.0);
                 self.damping = self.damping.max(1e-15);
@@ -394,8 +515,10 @@ impl Search {
                     self.termination = Some(termination);
                     return;
                 }
-                let usable =
-                    ending.is_none() && ratio >= UPDATED_RATIO && self.updates < MOST_UPDATES;
+                let usable = ending.is_none()
+                    && !is_corrected
+                    && ratio >= UPDATED_RATIO
+                    && self.updates < MOST_UPDATES;
                 if usable {
                     let (before, old) = (self.x.clone(), self.predictions.clone());
                     self.update(problem, options, (&before, &old), (&x, &predictions));

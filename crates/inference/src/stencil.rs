@@ -30,8 +30,11 @@ struct Column {
 /// Root mean square change of the observations in a step, in their standard deviations, above which steps are
 /// shortened: far below a resonance's width where data are precise, far above the errors of predictions.
 const LARGEST_CHANGE: f64 = 3.0;
-/// Shortest step over the one asked for.
+/// Change below which steps are lengthened: differences of less are of the order of the errors of predictions.
+const LEAST_CHANGE: f64 = 0.3;
+/// Shortest and longest step over the one asked for.
 const SHORTEST: f64 = 1e-2;
+const LONGEST: f64 = 30.0;
 
 /// Steps for derivatives.
 #[derive(Clone, Copy)]
@@ -41,14 +44,22 @@ pub(crate) struct StencilStep<'a> {
     /// Norms of the columns of the standardised Jacobian as far as known; zero where not. A step is shortened so
     /// that the observations change by at most three standard deviations, root mean square.
     pub(crate) norms: &'a [f64],
+    /// True for predictions with errors: a step is lengthened so that the observations change by 0.3 standard
+    /// deviations or more.
+    pub(crate) lengthened: bool,
 }
 
 impl StencilStep<'_> {
     fn of(self, problem: &FitProblem<'_>, parameter: usize, x: f64) -> f64 {
         let asked = self.relative * problem.parameters[parameter].length(x);
         let norm = self.norms.get(parameter).copied().unwrap_or(0.0);
-        let change = LARGEST_CHANGE * (problem.observations.len() as f64).sqrt();
-        if norm * asked > change { (change / norm).max(SHORTEST * asked) } else { asked }
+        if norm == 0.0 {
+            return asked;
+        }
+        let size = (problem.observations.len() as f64).sqrt();
+        let [least, largest] = [LEAST_CHANGE, LARGEST_CHANGE].map(|change| change * size / norm);
+        let least = if self.lengthened { least.min(LONGEST * asked) } else { 0.0 };
+        asked.clamp(least, largest.max(SHORTEST * asked))
     }
 }
 

@@ -73,34 +73,35 @@ pub(crate) fn orthogonal(
     basis
 }
 
-/// Linear least squares in three parameters; `None` if degenerate.
-pub(crate) fn least_squares(
-    observations: impl Iterator<Item = ([f64; 3], f64)>,
-) -> Option<[f64; 3]> {
-    let (rows, right): (Vec<[f64; 3]>, Vec<f64>) = observations.unzip();
+/// Linear least squares in `N` parameters; `None` if degenerate.
+pub(crate) fn least_squares<const N: usize>(
+    observations: impl Iterator<Item = ([f64; N], f64)>,
+) -> Option<[f64; N]> {
+    let (rows, right): (Vec<[f64; N]>, Vec<f64>) = observations.unzip();
     let parameters = OrthogonalColumns::of(&rows)?.solve(right);
     parameters.iter().all(|x| x.is_finite()).then_some(parameters)
 }
 
-/// Derivatives of the three parameters of [`least_squares`] with respect to each right side.
-pub(crate) fn pseudo_inverse(rows: &[[f64; 3]]) -> Option<Vec<[f64; 3]>> {
+/// Derivatives of the parameters of [`least_squares`] with respect to each right side.
+pub(crate) fn pseudo_inverse<const N: usize>(rows: &[[f64; N]]) -> Option<Vec<[f64; N]>> {
     let factors = OrthogonalColumns::of(rows)?;
-    let column = |row| factors.back_substituted([0, 1, 2].map(|j: usize| factors.columns[j][row]));
+    let column =
+        |row: usize| factors.back_substituted(factors.columns.each_ref().map(|column| column[row]));
     Some((0..rows.len()).map(column).collect())
 }
 
 /// Orthonormal columns and the upper triangle, by modified Gram-Schmidt.
-struct OrthogonalColumns {
-    columns: [Vec<f64>; 3],
-    upper: [[f64; 3]; 3],
+struct OrthogonalColumns<const N: usize> {
+    columns: [Vec<f64>; N],
+    upper: [[f64; N]; N],
 }
 
-impl OrthogonalColumns {
-    fn of(rows: &[[f64; 3]]) -> Option<Self> {
-        let mut columns: [Vec<f64>; 3] =
+impl<const N: usize> OrthogonalColumns<N> {
+    fn of(rows: &[[f64; N]]) -> Option<Self> {
+        let mut columns: [Vec<f64>; N] =
             std::array::from_fn(|j| rows.iter().map(|row| row[j]).collect());
-        let mut upper = [[0.0; 3]; 3];
-        for j in 0..3 {
+        let mut upper = [[0.0; N]; N];
+        for j in 0..N {
             let before = dot(&columns[j], &columns[j]);
             for i in 0..j {
                 let basis = columns[i].clone();
@@ -118,8 +119,8 @@ impl OrthogonalColumns {
         Some(Self { columns, upper })
     }
 
-    fn solve(&self, mut right: Vec<f64>) -> [f64; 3] {
-        let mut projected = [0.0; 3];
+    fn solve(&self, mut right: Vec<f64>) -> [f64; N] {
+        let mut projected = [0.0; N];
         for (basis, projected) in self.columns.iter().zip(&mut projected) {
             *projected = dot(basis, &right);
             right.iter_mut().zip(basis).for_each(|(x, q)| *x -= *projected * q);
@@ -127,10 +128,10 @@ impl OrthogonalColumns {
         self.back_substituted(projected)
     }
 
-    fn back_substituted(&self, projected: [f64; 3]) -> [f64; 3] {
-        let mut parameters = [0.0; 3];
-        for j in (0..3).rev() {
-            let known: f64 = (j + 1..3).map(|k| self.upper[j][k] * parameters[k]).sum();
+    fn back_substituted(&self, projected: [f64; N]) -> [f64; N] {
+        let mut parameters = [0.0; N];
+        for j in (0..N).rev() {
+            let known: f64 = (j + 1..N).map(|k| self.upper[j][k] * parameters[k]).sum();
             parameters[j] = (projected[j] - known) / self.upper[j][j];
         }
         parameters

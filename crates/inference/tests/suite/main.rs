@@ -17,3 +17,4 @@ mod models;
 mod posteriors;
 mod ridge;
 mod robust;
+mod searches;

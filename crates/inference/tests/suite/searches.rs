@@ -1,0 +1,80 @@
+//! Searches along curved valleys, past missing predictions, and with errors of the predictions.
+
+use asperity_inference::{
+    FitOptions, ForwardModel, FunctionModel, Observation, Parameter, PredictionError, Predictions,
+    fit,
+};
+
+use crate::models::linear;
+
+/// A valley `y = x^2` that is 1000 times as steep across as along: the steps of the linear model alone are as
+/// short as its curvature asks, and stop at the limit of iterations.
+#[test]
+fn a_narrow_curved_valley_is_followed_to_its_minimum() {
+    let model = FunctionModel {
+        parameters: vec![linear("x", -2.0, [-4.0, 4.0]), linear("y", 4.0, [-16.0, 16.0])],
+        observations: Observation::list(&[0.0, 0.0], 1.0),
+        function: |x: &[f64]| vec![1e3 * (x[1] - x[0] * x[0]), x[0] - 1.5],
+    };
+    let options = FitOptions { difference_step: 1e-4, ..FitOptions::default() };
+    let found = fit(&model, &options).unwrap();
+    assert!(found.converged && found.cost < 1e-12, "{} {:?}", found.cost, found.termination);
+    assert!(found.iterations < 100, "{}", found.iterations);
+}
+
+/// `10 x`, and beyond 2 also `1000 x`.
+struct Appearing {
+    parameters: Vec<Parameter>,
+    observations: Vec<Observation>,
+}
+
+impl ForwardModel for Appearing {
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn observations(&self) -> &[Observation] {
+        &self.observations
+    }
+
+    fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Predictions, PredictionError>> {
+        let one = |x: f64| Ok(vec![Some(10.0 * x), (x > 2.0).then_some(1000.0 * x)]);
+        points.iter().map(|point| one(point[0])).collect()
+    }
+}
+
+/// A prediction that appears far from its observation costs more than its absence, and is no reason to stay
+/// where it is missing.
+#[test]
+fn a_search_leaves_the_place_of_missing_predictions() {
+    for start in [0.5, 1.9, 2.1] {
+        let model = Appearing {
+            parameters: vec![linear("x", start, [0.0, 30.0])],
+            observations: Observation::list(&[80.0, 8000.0], 1.0),
+        };
+        let found = fit(&model, &FitOptions::default()).unwrap();
+        assert!(found.converged && found.missing.is_empty(), "{start}: {:?}", found.termination);
+        assert!((found.point[0] - 8.0).abs() < 1e-6, "{start}: {:?}", found.point);
+    }
+}
+
+/// Predictions with an error of a hundredth of a standard deviation, which is as large as their change in a step
+/// of a thousandth: derivatives are differences over longer steps, and the minimum is found to a tenth of its
+/// standard deviation.
+#[test]
+fn errors_of_the_predictions_do_not_spoil_the_derivatives() {
+    let rows: Vec<f64> = (0..40).map(f64::from).collect();
+    let clean = |x: &[f64], t: f64| 8.0 * (x[0] - 0.2 * x[1] * t).sin() + x[1] * (0.3 * t).cos();
+    let values: Vec<f64> = rows.iter().map(|&t| clean(&[1.1, 0.2], t)).collect();
+    let model = FunctionModel {
+        parameters: vec![linear("x", 0.6, [-2.0, 2.0]), linear("y", 0.3, [-2.0, 2.0])],
+        observations: Observation::list(&values, 1.0),
+        function: |x: &[f64]| {
+            let error = |t: f64| 0.01 * (1e7 * (x[0] + 1.7 * x[1]) * (t + 1.0)).sin();
+            rows.iter().map(|&t| clean(x, t) + error(t)).collect()
+        },
+    };
+    let found = fit(&model, &FitOptions::default()).unwrap();
+    assert!(found.converged, "{:?}", found.termination);
+    assert!(found.chi_square < 0.05, "{} {:?}", found.chi_square, found.point);
+}
