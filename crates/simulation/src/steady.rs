@@ -2,6 +2,7 @@
 
 mod bodies;
 mod check;
+mod motion;
 mod settled;
 mod summary;
 mod table;
@@ -12,7 +13,7 @@ use std::time::Instant;
 
 use asperity_harmonic::{
     Branch, ContactSystem, Continuation, Floquet, FourierResolution, HarmonicError,
-    HarmonicSettings, LawEvaluation, PeriodicResponse, PressureRange, StepControl,
+    HarmonicSettings, LawEvaluation, PeriodicResponse, PressureRange, StepControl, Termination,
 };
 use asperity_structure::PreloadedContact;
 use rayon::prelude::*;
@@ -26,10 +27,12 @@ use crate::warning::Warning;
 use bodies::BodyChoice;
 pub use bodies::{BodyModel, Condensation, CondensationReason, CondensedBody, LightBodies};
 pub use check::TimeCheck;
+pub use motion::IntegratedMotion;
 pub use settled::{SettledAmplitude, SteadyMotion, first_periods};
 pub use summary::{
     BackboneSummary, BackbonesSummary, BifurcationSummary, BranchSummary, LevelSummary,
     LoadAmplitude, STEADY_SCHEMA, SteadySummary, TerminationSummary, TimeSweepSummary,
+    UnfinishedSummary,
 };
 pub use table::{backbone_table, steady_table, steady_time_table};
 pub use time_sweep::{SweepDirection, TimeSweep, TimeSweepPoint, TimeSweepRequest, time_sweeps};
@@ -87,6 +90,9 @@ pub struct SteadyLevel {
     pub condensed: Option<Condensation>,
     /// A response by time integration, if requested.
     pub check: Option<TimeCheck>,
+    /// Motions by time integration at frequencies at which contact is lost, of a branch that does not cover the
+    /// range, or covers it with fewer harmonics only.
+    pub motions: Vec<IntegratedMotion>,
     /// The reason for which stability is not known at every point, if it is not.
     pub stability_unknown: Option<StabilityUnknown>,
     /// Warnings about the responses.
@@ -305,6 +311,12 @@ fn level(
         Some(peak) if request.verify => Some(TimeCheck::of(assembly, peak)?),
         _ => None,
     };
+    let motions = match &outcome {
+        Ok(branch) if branch.finer.is_some() || has_failed(branch) => {
+            motion::motions(assembly, force_n, branch)?
+        }
+        _ => Vec::new(),
+    };
     let points = outcome.as_ref().map_or(&[][..], |branch| &branch.points);
     let unknown = points.iter().any(|point| point.stable().is_none());
     let mut level = SteadyLevel {
@@ -312,12 +324,18 @@ fn level(
         outcome,
         condensed,
         check,
+        motions,
         stability_unknown: unknown.then_some(StabilityUnknown::FastMode),
         warnings: Vec::new(),
         wall_s,
     };
     level.warnings = warnings(&level, assembly.structure.contacts());
     Ok(level)
+}
+
+/// True if a branch ended where its equations were not solved any more.
+fn has_failed(branch: &Branch) -> bool {
+    matches!(branch.termination, Termination::NotConverged | Termination::PointLimit)
 }
 
 /// Warnings about the contacts whose pressures leave the measured range on a branch, and about a response
