@@ -86,6 +86,10 @@ const KINK: f64 = 1e-4;
 /// Step below which a change of orientation is a branch that crosses.
 const CROSSING: f64 = 1e-3;
 
+/// Angle between chord and mean tangent, over the turn of a step that is aimed at, beyond which a point lies on
+/// another part of the curve.
+const BESIDE: f64 = 0.5;
+
 /// Newton iterations at most.
 const ITERATIONS: usize = 12;
 
@@ -183,7 +187,8 @@ impl<C: Curve> ArcLength<C> {
                     let smooth = turn <= 3.0 * self.control.turn || kink;
                     let reverses = next.orientation != from.orientation;
                     let crosses = step < CROSSING && off < 1.001 * step;
-                    if smooth && off < 1.5 * step && (!reverses || crosses) {
+                    let is_beside = !kink && chord_angle(from, &next) > BESIDE * self.control.turn;
+                    if smooth && !is_beside && off < 1.5 * step && (!reverses || crosses) {
                         let by_turn = self.control.turn / turn.max(1e-3 * self.control.turn);
                         let by_iterations = WANTED / next.iterations.max(1) as f64;
                         let factor = by_turn.min(by_iterations).clamp(0.5, 2.0);
@@ -322,6 +327,19 @@ impl<C: Curve> ArcLength<C> {
     }
 }
 
+/// Angle \[rad\] between the chord to the next point and the mean of both tangents: of third order in the step on
+/// a smooth curve, and the distance over the step to another part of it beside this one.
+fn chord_angle(from: &CurvePoint, next: &CurvePoint) -> f64 {
+    let ends = next.unknowns.iter().zip(&from.unknowns).zip(next.tangent.iter().zip(&from.tangent));
+    let [mut product, mut chord, mut mean] = [0.0; 3];
+    for ((b, a), (t, s)) in ends {
+        product += (b - a) * (s + t);
+        chord += (b - a).powi(2);
+        mean += (s + t).powi(2);
+    }
+    (product / (chord * mean).sqrt()).clamp(-1.0, 1.0).acos()
+}
+
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
@@ -373,5 +391,43 @@ mod tests {
         assert_eq!(folds.len(), 2);
         // Quadratic at a fold: half the digits of the tangent would do.
         assert!((folds[0] - 1.0).abs() < 1e-12 && (folds[1] + 1.0).abs() < 1e-12);
+    }
+
+    /// `x = 0.015 tanh(l / 0.01)`: a step of the curve that a step of the continuation could miss.
+    struct Edge;
+
+    impl Curve for Edge {
+        fn size(&self) -> usize {
+            1
+        }
+        fn has_kinks(&self) -> bool {
+            false
+        }
+        fn weight(&self, _: &[f64]) -> f64 {
+            1.0
+        }
+        fn evaluate(&mut self, _: &[f64]) -> Result<(), Overflow> {
+            Ok(())
+        }
+        fn residual(&mut self, v: &[f64], out: &mut [f64]) {
+            out[0] = v[0] - 0.015 * (v[1] / 0.01).tanh();
+        }
+        fn jacobian(&mut self, v: &[f64], _: &mut [f64], out: &mut [f64]) {
+            out[..2].copy_from_slice(&[1.0, -1.5 / (v[1] / 0.01).cosh().powi(2)]);
+        }
+    }
+
+    #[test]
+    fn a_step_does_not_pass_over_what_lies_between() {
+        for start in [-0.5, -0.52, -0.54, -0.56, -0.58] {
+            let mut arc = ArcLength::new(Edge, StepControl::default());
+            let mut point = arc.solve_at(&[0.0, start], 1.0).unwrap();
+            let mut inside = 0;
+            while point.unknowns[1] < 0.2 {
+                point = arc.advance(&point).unwrap().0;
+                inside += usize::from(point.unknowns[1].abs() < 0.01);
+            }
+            assert!(inside > 3, "{start}: {inside} points");
+        }
     }
 }

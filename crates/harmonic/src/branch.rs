@@ -84,6 +84,21 @@ pub struct Branch {
     pub harmonics: usize,
     /// Samples per period.
     pub samples: usize,
+    /// The branch with more harmonics that did not cover the range, where this one took its place.
+    pub finer: Option<UnfinishedBranch>,
+}
+
+/// A branch that did not cover its range.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UnfinishedBranch {
+    /// Harmonics kept.
+    pub harmonics: usize,
+    /// Its termination.
+    pub termination: Termination,
+    /// Number of its points.
+    pub points: usize,
+    /// Frequency of its last point \[Hz\].
+    pub frequency_hz: f64,
 }
 
 impl Branch {

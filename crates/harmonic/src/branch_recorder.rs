@@ -1,5 +1,7 @@
 //! Points of a branch as it is followed, with location of its special points.
 
+use std::f64::consts::TAU;
+
 use num_complex::Complex64;
 
 use crate::arc_length::{ArcLength, CorrectorFailure, CurvePoint};
@@ -22,7 +24,10 @@ pub(crate) struct BranchRecorder<'a> {
     distances: Vec<f64>,
 }
 
-type Arc<'a> = ArcLength<ContinuationProblem<'a>>;
+/// Phases at which a closure beyond a law is looked for.
+const PHASES: u32 = 4096;
+
+pub(crate) type Arc<'a> = ArcLength<ContinuationProblem<'a>>;
 
 impl<'a> BranchRecorder<'a> {
     pub(crate) fn new(
@@ -31,18 +36,28 @@ impl<'a> BranchRecorder<'a> {
         samples: usize,
     ) -> Self {
         let termination = Termination::NotConverged;
-        let branch =
-            Branch { points: Vec::new(), special: Vec::new(), termination, harmonics, samples };
+        let branch = Branch {
+            points: Vec::new(),
+            special: Vec::new(),
+            termination,
+            harmonics,
+            samples,
+            finer: None,
+        };
         Self { floquet, branch, slope: 0.0, steps: Vec::new(), distances: Vec::new() }
     }
 
     /// The branch with its stability.
-    pub(crate) fn ended(mut self, arc: &mut Arc<'_>, termination: Termination) -> Branch {
-        self.branch.termination = termination;
+    pub(crate) fn ended(mut self, arc: &mut Arc<'_>) -> Branch {
         if let Some(mut floquet) = self.floquet.take() {
             self.analyse(arc, &mut floquet);
         }
         self.branch
+    }
+
+    /// Leaves out the analysis of stability.
+    pub(crate) fn without_stability(&mut self) {
+        self.floquet = None;
     }
 
     pub(crate) fn termination(system: &ContactSystem, failure: CorrectorFailure) -> Termination {
@@ -53,6 +68,22 @@ impl<'a> BranchRecorder<'a> {
                 closure: overflow.closure,
             },
         }
+    }
+
+    /// Takes back the last point if its closure exceeds the limit of a law between the places at which its force was
+    /// evaluated, and gives the termination.
+    pub(crate) fn beyond_law(&mut self, system: &ContactSystem) -> Option<Termination> {
+        let last = self.branch.points.last()?;
+        let interface = last.pressures.iter().position(|range| !range.highest.is_finite())?;
+        let phases = (0..PHASES).map(|n| TAU * f64::from(n) / f64::from(PHASES));
+        let closures = phases.map(|phase| last.closure_at(interface, phase)[0]);
+        let closure = closures.fold(f64::NEG_INFINITY, f64::max);
+        self.branch.points.pop();
+        let after = self.branch.points.len();
+        self.branch.special.retain(|special| special.after + 1 < after);
+        self.distances.truncate(self.branch.special.len());
+        let interface = system.contacts()[interface].name().to_owned();
+        Some(Termination::BeyondLaw { interface, closure })
     }
 
     /// The response at a point, which the curve evaluated last.
@@ -197,12 +228,12 @@ impl<'a> BranchRecorder<'a> {
 
     /// Solves at the end of the range, from the last step that crosses it.
     pub(crate) fn finish(
-        mut self,
+        &mut self,
         arc: &mut Arc<'_>,
         from: &CurvePoint,
         next: &CurvePoint,
         end: f64,
-    ) -> Branch {
+    ) -> Termination {
         let last = from.unknowns.len() - 1;
         let share = (end - from.unknowns[last]) / (next.unknowns[last] - from.unknowns[last]);
         let blend = |a: &[f64], b: &[f64]| -> Vec<f64> {
@@ -214,9 +245,9 @@ impl<'a> BranchRecorder<'a> {
         match arc.solve_at(&guess, sense) {
             Ok(end_point) => {
                 self.step(arc, from, &end_point, along(from, &end_point));
-                self.ended(arc, Termination::Reached)
+                Termination::Reached
             }
-            Err(_) => self.ended(arc, Termination::NotConverged),
+            Err(_) => Termination::NotConverged,
         }
     }
 }

@@ -216,8 +216,11 @@ pub(crate) fn rate_of(series: &[f64], w: f64, rate: &mut [f64]) {
 /// Value of a series at the angle `th`, and its first two derivatives.
 pub(crate) fn value_at(series: &[f64], th: f64) -> [f64; 3] {
     let mut sum = [series[0], 0.0, 0.0];
+    let turn = Complex64::cis(th);
+    let mut turned = Complex64::ONE;
     for (k, pair) in (1..).map(f64::from).zip(series[1..].chunks_exact(2)) {
-        let (sin, cos) = (k * th).sin_cos();
+        turned *= turn;
+        let (sin, cos) = (turned.im, turned.re);
         let value = pair[0] * cos + pair[1] * sin;
         sum[0] += value;
         sum[1] += k * (pair[1] * cos - pair[0] * sin);

@@ -101,7 +101,7 @@ mod stepped_sine;
 mod trace;
 mod vector_instructions;
 
-pub use branch::{Branch, SpecialPoint, SpecialPointKind, Termination};
+pub use branch::{Branch, SpecialPoint, SpecialPointKind, Termination, UnfinishedBranch};
 pub use compliance::{Compliance, MeanBalance};
 pub use condensed_stack::CondensedStack;
 pub use contact_system::{ContactSystem, LawEvaluation};

@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 
 use crate::arc_length::{ArcLength, CorrectorFailure, CurvePoint};
 use crate::balance::Conditions;
-use crate::branch_recorder::BranchRecorder;
+use crate::branch_recorder::{Arc, BranchRecorder};
 use crate::continuation_problem::ContinuationProblem;
 use crate::floquet::FloquetSolver;
 use crate::{
     Branch, ContactSystem, Continuation, FourierResolution, HarmonicError, HarmonicSettings,
-    PeriodicResponse, Termination,
+    PeriodicResponse, Termination, UnfinishedBranch,
 };
 
 /// Share of a force at which the search for a first response starts when Newton's method does not
@@ -20,11 +20,16 @@ const LOW_FORCE: f64 = 1e-3;
 const FIRST_HARMONICS: usize = 5;
 const SAMPLES_PER_HARMONIC: usize = 16;
 
+/// Most points times unknowns of a branch whose harmonics are chosen: some ten seconds.
+const MOST_WORK: usize = 400_000;
+
 /// Traces the branch of periodic responses that `continuation` describes.
 ///
 /// A failure after the start ends the branch, which is kept with its [`Termination`]. With automatic
 /// [`FourierResolution`] the branch is traced again with half as many harmonics more until its
-/// truncation is below the tolerance.
+/// truncation is below the tolerance. Where a branch over frequency with the most harmonics does not converge, or has more
+/// than 400 000 points times unknowns, the one with the most of two thirds, four ninths ... as many that covers the
+/// range takes its place, and [`Branch::finer`] tells where the other ended.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -58,38 +63,98 @@ pub fn trace(
 ) -> Result<Branch, HarmonicError> {
     settings.check()?;
     continuation.check()?;
+    let follow = |resolution, limit| follow(system, *continuation, settings, resolution, limit);
     match settings.resolution {
-        FourierResolution::Fixed { harmonics, samples } => follow(
-            system,
-            *continuation,
-            settings,
-            (harmonics, samples.max(4 * harmonics + 2)),
-            None,
-        ),
+        FourierResolution::Fixed { harmonics, samples } => {
+            Ok(follow((harmonics, samples.max(4 * harmonics + 2)), Limits::default())?.analysed())
+        }
         FourierResolution::Automatic { tolerance, most } => {
-            let mut harmonics = FIRST_HARMONICS.min(most);
-            loop {
+            let at = |harmonics: usize, truncation: f64| {
                 let samples = (SAMPLES_PER_HARMONIC * harmonics).next_multiple_of(8);
-                let limit = (harmonics < most).then_some(tolerance);
-                let branch = follow(system, *continuation, settings, (harmonics, samples), limit);
-                let fine = branch.as_ref().is_ok_and(|branch| branch.truncation() <= tolerance);
+                let points = MOST_WORK / (system.pairs() * (2 * harmonics + 1));
+                follow((harmonics, samples), Limits { truncation, points })
+            };
+            let mut harmonics = FIRST_HARMONICS.min(most);
+            let mut finest = loop {
+                let limit = if harmonics < most { tolerance } else { f64::INFINITY };
+                let found = at(harmonics, limit);
+                let fine =
+                    found.as_ref().is_ok_and(|found| found.branch().truncation() <= tolerance);
                 if fine || harmonics == most {
-                    return branch;
+                    break found?;
                 }
                 harmonics = (harmonics + harmonics.div_ceil(2)).min(most);
+            };
+            let over_frequency = matches!(continuation, Continuation::Frequency { .. });
+            while over_frequency && finest.is_unfinished() && harmonics > FIRST_HARMONICS {
+                harmonics = (2 * harmonics / 3).max(FIRST_HARMONICS);
+                let Ok(mut coarser) = at(harmonics, f64::INFINITY) else { continue };
+                if coarser.branch().is_complete() {
+                    coarser.recorder.branch.finer = finest.unfinished();
+                    finest = coarser;
+                }
             }
+            Ok(finest.analysed())
         }
     }
 }
 
-/// The branch at a given resolution; it ends as soon as a point exceeds the `limit` of truncation.
-fn follow(
-    system: &ContactSystem,
+/// Limits of a branch.
+#[derive(Debug, Clone, Copy)]
+struct Limits {
+    /// Truncation beyond which more harmonics are to be taken: the branch ends.
+    truncation: f64,
+    /// Number of points, beside that of the settings.
+    points: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { truncation: f64::INFINITY, points: usize::MAX }
+    }
+}
+
+/// A branch that has ended, before the analysis of its stability.
+struct Followed<'a> {
+    arc: Arc<'a>,
+    recorder: BranchRecorder<'a>,
+}
+
+impl Followed<'_> {
+    fn branch(&self) -> &Branch {
+        &self.recorder.branch
+    }
+
+    /// The branch with its stability.
+    fn analysed(mut self) -> Branch {
+        self.recorder.ended(&mut self.arc)
+    }
+
+    /// True if the branch ended for a reason that fewer harmonics may not have.
+    fn is_unfinished(&self) -> bool {
+        matches!(self.branch().termination, Termination::NotConverged | Termination::PointLimit)
+    }
+
+    fn unfinished(&self) -> Option<UnfinishedBranch> {
+        let branch = self.branch();
+        let last = branch.points.last()?;
+        Some(UnfinishedBranch {
+            harmonics: branch.harmonics,
+            termination: branch.termination.clone(),
+            points: branch.points.len(),
+            frequency_hz: last.frequency_hz(),
+        })
+    }
+}
+
+/// The branch at a given resolution.
+fn follow<'a>(
+    system: &'a ContactSystem,
     continuation: Continuation,
     settings: &HarmonicSettings,
     (harmonics, samples): (usize, usize),
-    limit: Option<f64>,
-) -> Result<Branch, HarmonicError> {
+    limits: Limits,
+) -> Result<Followed<'a>, HarmonicError> {
     let problem = ContinuationProblem::new(system, continuation, harmonics, samples)?;
     let (from, to) = continuation.range();
     let (start, end) = (problem.parameter(from), problem.parameter(to));
@@ -102,35 +167,39 @@ fn follow(
     let mut recorder = BranchRecorder::new(floquet, harmonics, samples);
     let mut point = first(&mut arc, system, continuation, sense, settings)?;
     recorder.record(&mut arc, &point);
-    loop {
-        if limit.is_some_and(|limit| recorder.branch.truncation() > limit) {
-            return Ok(recorder.branch);
-        }
+    let most = settings.steps.points.min(limits.points);
+    let termination = loop {
         let last = recorder.branch.points.last();
-        if settings.until_contact_lost && last.is_some_and(PeriodicResponse::contact_lost) {
-            let branch = recorder.branch;
-            return Ok(Branch { termination: Termination::ContactLost, ..branch });
+        if last.is_some_and(|point| point.truncation > limits.truncation) {
+            break Termination::NotConverged;
         }
-        if recorder.branch.points.len() >= settings.steps.points {
-            return Ok(recorder.ended(&mut arc, Termination::PointLimit));
+        if settings.until_contact_lost && last.is_some_and(PeriodicResponse::contact_lost) {
+            recorder.without_stability();
+            break Termination::ContactLost;
+        }
+        if let Some(beyond) = recorder.beyond_law(system) {
+            break beyond;
+        }
+        if recorder.branch.points.len() >= most {
+            break Termination::PointLimit;
         }
         let (next, step) = match arc.advance(&point) {
             Ok(advanced) => advanced,
-            Err(failure) => {
-                let end = BranchRecorder::termination(system, failure);
-                return Ok(recorder.ended(&mut arc, end));
-            }
+            Err(failure) => break BranchRecorder::termination(system, failure),
         };
         let parameter = next.unknowns[next.unknowns.len() - 1];
         if sense * (parameter - end) >= 0.0 {
-            return Ok(recorder.finish(&mut arc, &point, &next, end));
+            let termination = recorder.finish(&mut arc, &point, &next, end);
+            break recorder.beyond_law(system).unwrap_or(termination);
         }
         if sense * (parameter - start) < 0.0 {
-            return Ok(recorder.ended(&mut arc, Termination::Returned));
+            break Termination::Returned;
         }
         recorder.step(&mut arc, &point, &next, step);
         point = next;
-    }
+    };
+    recorder.branch.termination = termination;
+    Ok(Followed { arc, recorder })
 }
 
 /// The response at the start: from the linear one, or else along rising forces.
@@ -153,7 +222,8 @@ fn first(
         let fourier = arc.curve.balance().fourier();
         let resolution = (fourier.harmonics(), fourier.samples());
         let quiet = HarmonicSettings { stability: None, until_contact_lost: false, ..*settings };
-        let branch = follow(system, rising, &quiet, resolution, None).ok();
+        let branch = follow(system, rising, &quiet, resolution, Limits::default());
+        let branch = branch.ok().map(Followed::analysed);
         if let Some(branch) = &branch
             && let (Termination::Reached, Some(last)) = (&branch.termination, branch.points.last())
         {

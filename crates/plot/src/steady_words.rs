@@ -1,8 +1,8 @@
 //! A branch of steady responses in words: its peak, its special points, and the reason for an end.
 
 use asperity_simulation::steady::{
-    BranchSummary, CondensationReason, SteadyMotion, TerminationSummary, TimeCheck,
-    TimeSweepSummary,
+    BranchSummary, CondensationReason, IntegratedMotion, SteadyMotion, TerminationSummary,
+    TimeCheck, TimeSweepSummary,
 };
 
 /// Bifurcations of one kind that are listed one by one; of more, the range is given.
@@ -90,14 +90,40 @@ pub fn check(check: &TimeCheck) -> String {
         SteadyMotion::Periodic => {
             format!("at {hz:.3} Hz differs from time integration by {difference:.1e}")
         }
-        SteadyMotion::NonPeriodic => format!(
-            "at {hz:.3} Hz time integration gives a motion that is not periodic: its fundamental \
+        SteadyMotion::NonPeriodic | SteadyMotion::Subharmonic => format!(
+            "at {hz:.3} Hz time integration gives a motion without the period of the force: its fundamental \
              scatters by {scatter:.1e} from period to period; the mean differs by {difference:.1e}"
         ),
         _ => format!(
             "at {hz:.3} Hz differs from time integration, which has not settled, by {difference:.1e}"
         ),
     }
+}
+
+/// A motion by time integration from rest.
+fn motion(found: &IntegratedMotion) -> String {
+    let hz = found.frequency_hz;
+    let words = match (found.motion, found.periods) {
+        (SteadyMotion::Periodic, _) if found.lost_share.is_some_and(|share| share > 0.0) => {
+            format!("periodic with loss of contact, u1 {:.5e} m", found.amplitude_1_m)
+        }
+        (SteadyMotion::Periodic, _) => {
+            format!("periodic, u1 {:.5e} m", found.amplitude_1_m)
+        }
+        (SteadyMotion::Subharmonic, Some(periods)) => {
+            format!(
+                "repeats after {periods} periods of the force, mean u1 {:.5e} m",
+                found.amplitude_1_m
+            )
+        }
+        (SteadyMotion::NonPeriodic, _) => format!(
+            "not periodic: u1 scatters by {:.1e} about {:.5e} m",
+            found.scatter, found.amplitude_1_m
+        ),
+        (SteadyMotion::Apart, _) => "the bodies do not come together again".to_owned(),
+        _ => format!("not settled: u1 scatters by {:.1e}", found.scatter),
+    };
+    format!("at {hz:.3} Hz from rest: {words}")
 }
 
 /// A stepped sine by time integration.
@@ -134,6 +160,21 @@ pub fn remarks(branch: &BranchSummary) -> Vec<String> {
         remarks.push(format!("contact lost from {hz:.3} Hz on"));
     }
     remarks.extend(condensed(branch));
+    if let Some(finer) = &branch.finer {
+        remarks.push(format!(
+            "with {} harmonics, of an estimated truncation of {:.0e}; the branch with {} does not cover the range and \
+             ends at {:.3} Hz after {} points",
+            branch.harmonics,
+            branch.truncation,
+            finer.harmonics,
+            finer.end_frequency_hz,
+            finer.points
+        ));
+    }
+    if !branch.motions.is_empty() {
+        let all: Vec<String> = branch.motions.iter().map(motion).collect();
+        remarks.push(format!("time integration {}", all.join("; ")));
+    }
     match branch.unstable_points {
         Some(0) => remarks.push("stable".to_owned()),
         Some(count) => remarks.push(format!("unstable at {count} of {} points", branch.points)),

@@ -121,6 +121,24 @@ def test_numbers_out_of_range_are_named(
         call()
 
 
+def test_motions_of_branches_that_end_early_are_a_table() -> None:
+    found = asperity.steady(RIG, [0.5, 0.6], 700, 1000, harmonics=5)
+    assert found.motions.rows == 0
+    motion = {
+        "frequency_hz": 900.0,
+        "motion": "subharmonic",
+        "periods": 3,
+        "amplitude_1_m": 1e-7,
+        "scatter": 0.2,
+        "lost_share": None,
+    }
+    found.summary["levels"][1]["motions"] = [motion]
+    rows = found.motions
+    assert rows["branch"].tolist() == [2] and rows["force_n"].tolist() == [0.6]
+    assert rows["motion"].tolist() == ["subharmonic"] and rows["periods"].tolist() == [3.0]
+    assert np.isnan(rows["lost_share"][0])
+
+
 def test_a_moving_base_has_accelerations() -> None:
     scenario = asperity.Scenario(SCENARIOS / "nouira2020-modified.json").with_({"/method": "modal"})
     moved = {"kind": "harmonic", "amplitude_m_per_s2": 1, "frequency_hz": 300}

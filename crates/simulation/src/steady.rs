@@ -2,6 +2,7 @@
 
 mod bodies;
 mod check;
+mod motion;
 mod settled;
 mod shaken;
 mod summary;
@@ -14,7 +15,7 @@ use std::time::Instant;
 
 use asperity_harmonic::{
     Branch, Continuation, Floquet, FourierResolution, HarmonicError, HarmonicSettings,
-    LawEvaluation, PeriodicResponse, PressureRange, StepControl,
+    LawEvaluation, PeriodicResponse, PressureRange, StepControl, Termination,
 };
 use asperity_structure::PreloadedContact;
 use rayon::prelude::*;
@@ -27,12 +28,14 @@ use crate::warning::Warning;
 use bodies::BodyChoice;
 pub use bodies::{BodyModel, Condensation, CondensationReason, CondensedBody, LightBodies};
 pub use check::TimeCheck;
+pub use motion::IntegratedMotion;
 pub(crate) use settled::{SAMPLES, periods_to_decay_at, settled_by};
 pub use settled::{SettledAmplitude, SteadyMotion, first_periods};
 pub use shaken::Shaken;
 pub use summary::{
     BackboneSummary, BackbonesSummary, BifurcationSummary, BranchSummary, LevelSummary,
     LoadAmplitude, STEADY_SCHEMA, SteadySummary, TerminationSummary, TimeSweepSummary,
+    UnfinishedSummary,
 };
 pub use table::{backbone_table, steady_table, steady_time_table};
 pub(crate) use time_sweep::{SequenceRunner, sweeps_by};
@@ -92,6 +95,9 @@ pub struct SteadyLevel {
     pub condensed: Option<Condensation>,
     /// A response by time integration, if requested.
     pub check: Option<TimeCheck>,
+    /// Motions by time integration at frequencies at which contact is lost, of a branch that does not cover the
+    /// range, or covers it with fewer harmonics only.
+    pub motions: Vec<IntegratedMotion>,
     /// The reason for which stability is not known at every point, if it is not.
     pub stability_unknown: Option<StabilityUnknown>,
     /// Warnings about the responses.
@@ -328,6 +334,12 @@ fn level<S: Shaken>(
         Some(peak) if request.verify => Some(S::time_check(assembly, peak)?),
         _ => None,
     };
+    let motions = match &outcome {
+        Ok(branch) if branch.finer.is_some() || has_failed(branch) => {
+            S::motions(assembly, force_n, branch)?
+        }
+        _ => Vec::new(),
+    };
     let points = outcome.as_ref().map_or(&[][..], |branch| &branch.points);
     let unknown = points.iter().any(|point| point.stable().is_none());
     let mut level = SteadyLevel {
@@ -335,6 +347,7 @@ fn level<S: Shaken>(
         outcome,
         condensed,
         check,
+        motions,
         stability_unknown: unknown.then_some(StabilityUnknown::FastMode),
         warnings: Vec::new(),
         cells: assembly.structure.cells(),
@@ -342,6 +355,11 @@ fn level<S: Shaken>(
     };
     level.warnings = warnings(&level, assembly.structure.interfaces());
     Ok(level)
+}
+
+/// True if a branch ended where its equations were not solved any more.
+fn has_failed(branch: &Branch) -> bool {
+    matches!(branch.termination, Termination::NotConverged | Termination::PointLimit)
 }
 
 /// Warnings about the contacts whose pressures leave the measured range on a branch, and about a response

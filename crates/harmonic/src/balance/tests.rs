@@ -215,6 +215,53 @@ fn the_force_of_a_spring_that_opens_is_its_fourier_series() {
     }
 }
 
+/// The force of a power law under a cosine that opens the contact a little, just touches, or hardly holds, against
+/// a double-exponential rule on the closed piece: it changes smoothly from one to the other.
+#[test]
+fn the_force_of_a_contact_that_hardly_holds_is_its_integral() {
+    let system = system(vec![bar(0.2, 1.6)], vec![contact()]);
+    let one = &system.contacts()[0];
+    let opening = one.law().closure(0.0) - one.closure();
+    let a = 2.0 * opening.abs();
+    let at_rest = one.area() * one.pressure();
+    let mut balance = Balance::new(&system, 5, 80);
+    for least in [-1e-2, -1e-4, -1e-6, 0.0, 1e-6, 1e-4, 1e-3, 1e-2, 0.05, 0.2] {
+        // Beyond the opening the closure is a (least + 1 + cos(th)).
+        let half = if least < 0.0 { f64::acos(-1.0 - least) } else { std::f64::consts::PI };
+        let mut x = [0.0; 11];
+        (x[0], x[1]) = (opening + a * (1.0 + least), a);
+        balance.evaluate(&x, &Conditions { force: 1.0, ..CONDITIONS }).unwrap();
+        let mut wanted = [0.0; 6];
+        for n in -400..=400 {
+            let t = 0.01 * f64::from(n);
+            let place = std::f64::consts::FRAC_PI_2 * t.sinh();
+            let weight = 0.01 * std::f64::consts::FRAC_PI_2 * t.cosh() / place.cosh().powi(2);
+            // From the end of the piece, to all digits.
+            let from_end = half / (1.0 + (2.0 * place).exp());
+            let th = half - from_end;
+            let at_end = least + 1.0 + half.cos();
+            let rise = 2.0 * (0.5 * (half + th)).sin() * (0.5 * from_end).sin();
+            let closure = opening + a * (at_end + rise).max(0.0);
+            let (mut force, mut tangent) = ([0.0], [0.0]);
+            system.forces(0, &[closure], &mut force, &mut tangent);
+            let share = 0.5 * half * weight * (force[0] + at_rest) / std::f64::consts::PI;
+            for (k, wanted) in (0..).map(f64::from).zip(&mut wanted) {
+                *wanted += share * (k * th).cos() * if k == 0.0 { 1.0 } else { 2.0 };
+            }
+        }
+        let spring = one.spring();
+        for (n, wanted) in wanted.iter().enumerate() {
+            let found = match n {
+                0 => balance.forces[0] + at_rest,
+                1 => balance.forces[1] + spring * a,
+                n => balance.forces[2 * n - 1],
+            };
+            let off = (found - wanted).abs() / wanted.abs().max(at_rest);
+            assert!(off < 1e-9, "{least} {n}: {found} {wanted} {off:.1e}");
+        }
+    }
+}
+
 /// With friction: in a guide under the force of a damped contact, in one with a force of its own, across
 /// a contact that is lost for a part of the period. Each slips for a part of it.
 #[test]

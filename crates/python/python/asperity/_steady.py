@@ -93,6 +93,35 @@ class SteadyResponses(Result):
             }
         )
 
+    @property
+    def motions(self) -> Table:
+        """Motions by time integration from rest, of branches that end early or have fewer harmonics than asked for.
+
+        ``branch``, ``force_n`` or ``base_acceleration_m_per_s2``, ``frequency_hz``, ``motion`` (``periodic``,
+        ``subharmonic``, ``non_periodic``, ``apart`` or ``not_settled``), ``periods`` (its period in periods of the force),
+        ``amplitude_1_m``, ``scatter`` of the fundamental from period to period, and ``lost_share``, the largest share of the
+        time without contact; NaN where there is none.
+        """
+        found = [
+            (number, level[self._load], motion)
+            for number, level in enumerate(self.summary["levels"], start=1)
+            for motion in level.get("motions", ())
+        ]
+        numeric = ("frequency_hz", "periods", "amplitude_1_m", "scatter", "lost_share")
+        return Table(
+            {
+                "branch": np.array([number for number, _, _ in found], dtype=np.int64),
+                self._load: np.array([force for _, force, _ in found], dtype=np.float64),
+                "motion": np.array([motion["motion"] for _, _, motion in found], dtype=np.str_),
+                **{
+                    name: np.array(
+                        [_number(motion[name]) for _, _, motion in found], dtype=np.float64
+                    )
+                    for name in numeric
+                },
+            }
+        )
+
     def _repr_html_(self) -> str:
         drawn = "" if self.figure is None else self.figure.svg()
         return drawn + self.peaks._repr_html_()

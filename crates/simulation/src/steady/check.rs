@@ -46,8 +46,8 @@ impl TimeCheck {
         let Self { frequency_hz, relative_difference, .. } = *self;
         let allowed = match self.motion {
             SteadyMotion::Periodic => AGREES,
-            SteadyMotion::NonPeriodic => AGREES + 2.0 * self.scatter,
             SteadyMotion::NotSettled => return None,
+            _ => AGREES + 2.0 * self.scatter,
         };
         // A difference that is no number is no agreement.
         let agrees = relative_difference <= allowed;
@@ -115,7 +115,9 @@ impl TimeCheck {
         let amplitude_1_m = response.at_sensor(0, 1).norm();
         let all = [coarse.motion, fine.motion];
         let of = |motion| all.contains(&motion).then_some(motion);
-        let unsettled = of(SteadyMotion::NonPeriodic).or(of(SteadyMotion::NotSettled));
+        let unsettled = of(SteadyMotion::NonPeriodic)
+            .or(of(SteadyMotion::Subharmonic))
+            .or(of(SteadyMotion::NotSettled));
         let motion = unsettled.unwrap_or(SteadyMotion::Periodic);
         let error = |one: &SettledAmplitude| one.step_s.powi(order);
         let change = (fine.amplitude_1_m - coarse.amplitude_1_m) / (error(&coarse) - error(&fine));

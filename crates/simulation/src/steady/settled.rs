@@ -28,6 +28,9 @@ const SETTLED: f64 = 1e-4;
 /// scatter was not halved.
 const STALLED: usize = 2;
 
+/// Longest period looked for, in periods of the force.
+const MOST_MULTIPLE: usize = 8;
+
 /// Motion of the top under a harmonic force, by the fundamentals of successive periods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -35,11 +38,15 @@ const STALLED: usize = 2;
 pub enum SteadyMotion {
     /// The fundamental no longer changes from period to period.
     Periodic,
+    /// The fundamental repeats after 2 to 8 periods of the force.
+    Subharmonic,
     /// The fundamental still changes at the end, less with each doubling of the time.
     NotSettled,
-    /// The fundamental scatters, and no less after four times the time: the motion does not have the
-    /// period of the force.
+    /// The fundamental scatters, and no less after four times the time: the motion has no period, or one longer
+    /// than eight of the force.
     NonPeriodic,
+    /// An interface is without contact all the time: the bodies do not come together again.
+    Apart,
 }
 
 /// The fundamental of the top, integrated from rest under a harmonic force until it has settled.
@@ -97,20 +104,12 @@ pub(crate) fn settled_by(
     loop {
         let sampling = Sampling::new(periods / frequency, SAMPLES as f64 * frequency)?;
         let done = integrate(&shaker, &sampling)?;
-        let found = Fundamentals::of(&done.history.sensors[0].displacement);
-        stalled = if found.scatter > 0.5 * before { stalled + 1 } else { 0 };
-        before = found.scatter;
-        let motion = if found.scatter <= SETTLED {
-            SteadyMotion::Periodic
-        } else if stalled >= STALLED {
-            SteadyMotion::NonPeriodic
-        } else {
-            SteadyMotion::NotSettled
-        };
+        let found = Fundamentals::of(&done.history.sensors[0].displacement, SAMPLES);
+        let (motion, _) = found.motion(&mut before, &mut stalled);
         if motion != SteadyMotion::NotSettled || periods >= MOST_PERIODS {
             let periodic = motion == SteadyMotion::Periodic;
-            let amplitude_1_m = if periodic { found.last } else { found.mean };
-            let (step_s, scatter) = (done.step, found.scatter);
+            let amplitude = if periodic { found.last() } else { found.mean() };
+            let (amplitude_1_m, step_s, scatter) = (amplitude.norm(), done.step, found.scatter(1));
             return Ok(SettledAmplitude { amplitude_1_m, step_s, motion, scatter });
         }
         periods = (2.0 * periods).min(MOST_PERIODS);
@@ -142,32 +141,103 @@ pub(super) fn slowest_rate(assembly: &Assembly) -> f64 {
     rate
 }
 
-/// Fundamentals of the periods in the last quarter of some samples.
-struct Fundamentals {
-    /// Amplitude in the last period.
-    last: f64,
-    /// Amplitude of the mean.
-    mean: f64,
-    /// Largest relative distance from the mean.
-    scatter: f64,
-}
+/// Fundamentals of the periods in the last quarter of some samples, the last first.
+pub(super) struct Fundamentals(Vec<Complex64>);
 
 impl Fundamentals {
-    fn of(samples: &[f64]) -> Self {
-        let periods = (samples.len() / SAMPLES / 4).max(1);
-        let all: Vec<Complex64> =
-            samples.rchunks_exact(SAMPLES).take(periods).map(fundamental).collect();
-        let mean = all.iter().sum::<Complex64>() / all.len() as f64;
-        let off = |one: &Complex64| (one - mean).norm() / mean.norm();
-        let scatter = all.iter().map(off).fold(0.0, f64::max);
-        let last = all.first().map_or(f64::NAN, |last| last.norm());
-        Self { last, mean: mean.norm(), scatter }
+    /// The fundamentals of samples that are so many a period.
+    pub(super) fn of(samples: &[f64], per_period: usize) -> Self {
+        let periods = (samples.len() / per_period / 4).max(1);
+        Self(samples.rchunks_exact(per_period).take(periods).map(fundamental).collect())
+    }
+
+    fn last(&self) -> Complex64 {
+        self.0.first().copied().unwrap_or(Complex64::new(f64::NAN, f64::NAN))
+    }
+
+    pub(super) fn mean(&self) -> Complex64 {
+        mean(self.0.iter())
+    }
+
+    /// Largest distance of the fundamental of a period from the mean over every so many periods, relative to
+    /// the mean over all.
+    pub(super) fn scatter(&self, multiple: usize) -> f64 {
+        let whole = self.mean().norm();
+        let every = |first: usize| self.0[first..].iter().step_by(multiple);
+        let off = |first: usize| {
+            let mean = mean(every(first));
+            every(first).map(|one| (one - mean).norm() / whole).fold(0.0, f64::max)
+        };
+        (0..multiple.min(self.0.len())).map(off).fold(0.0, f64::max)
+    }
+
+    /// The motion, and its period in periods of the force if it has one. `before` is the scatter of the run
+    /// before this one, and `stalled` counts the runs in a row that did not halve it.
+    pub(super) fn motion(
+        &self,
+        before: &mut f64,
+        stalled: &mut usize,
+    ) -> (SteadyMotion, Option<usize>) {
+        let longest = (self.0.len() / 4).clamp(1, MOST_MULTIPLE);
+        if let Some(found) = (1..=longest).find(|&multiple| self.scatter(multiple) <= SETTLED) {
+            let motion =
+                if found == 1 { SteadyMotion::Periodic } else { SteadyMotion::Subharmonic };
+            return (motion, Some(found));
+        }
+        let least =
+            (1..=longest).map(|multiple| self.scatter(multiple)).fold(f64::INFINITY, f64::min);
+        *stalled = if least > 0.5 * *before { *stalled + 1 } else { 0 };
+        *before = least;
+        let motion =
+            if *stalled >= STALLED { SteadyMotion::NonPeriodic } else { SteadyMotion::NotSettled };
+        (motion, None)
     }
 }
 
+fn mean<'a>(all: impl ExactSizeIterator<Item = &'a Complex64>) -> Complex64 {
+    let count = all.len() as f64;
+    all.sum::<Complex64>() / count
+}
+
 /// Complex amplitude of the fundamental in the samples of a period.
-fn fundamental(period: &[f64]) -> Complex64 {
-    let turn = |n: usize| Complex64::from_polar(1.0, -TAU * n as f64 / SAMPLES as f64);
+pub(super) fn fundamental(period: &[f64]) -> Complex64 {
+    let turn = |n: usize| Complex64::cis(-TAU * n as f64 / period.len() as f64);
     let sum: Complex64 = period.iter().enumerate().map(|(n, u)| turn(n) * u).sum();
-    sum * (2.0 / SAMPLES as f64)
+    sum * (2.0 / period.len() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The motion of a fundamental whose amplitude is a sequence, over doubled times.
+    fn motion(next: impl Fn(f64) -> f64) -> (SteadyMotion, Option<usize>) {
+        let (mut before, mut stalled) = (f64::INFINITY, 0);
+        let mut periods = 64;
+        loop {
+            let mut amplitude = 0.3;
+            let mut samples = Vec::new();
+            for _ in 0..periods {
+                amplitude = next(amplitude);
+                let at = |n: usize| amplitude * (TAU * n as f64 / SAMPLES as f64).sin();
+                samples.extend((0..SAMPLES).map(at));
+            }
+            let found = Fundamentals::of(&samples, SAMPLES).motion(&mut before, &mut stalled);
+            if found.0 != SteadyMotion::NotSettled {
+                return found;
+            }
+            periods *= 2;
+        }
+    }
+
+    /// The logistic map has periods of 1, 2, 4 and 3, and none.
+    #[test]
+    fn periods_of_the_logistic_map_are_found() {
+        let logistic = |r: f64| motion(move |x| r * x * (1.0 - x));
+        assert_eq!(logistic(2.8), (SteadyMotion::Periodic, Some(1)));
+        assert_eq!(logistic(3.3), (SteadyMotion::Subharmonic, Some(2)));
+        assert_eq!(logistic(3.5), (SteadyMotion::Subharmonic, Some(4)));
+        assert_eq!(logistic(3.835), (SteadyMotion::Subharmonic, Some(3)));
+        assert_eq!(logistic(3.9), (SteadyMotion::NonPeriodic, None));
+    }
 }

@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
-use asperity_harmonic::{ContactSystem, LawEvaluation, PeriodicResponse};
+use asperity_harmonic::{Branch, ContactSystem, LawEvaluation, PeriodicResponse};
 use asperity_structure::PreloadedStructure;
 
 use super::bodies::{BodyModel, LightBodies};
 use super::check::TimeCheck;
+use super::motion::{IntegratedMotion, motions};
 use super::time_sweep::{TimeSweep, TimeSweepRequest, time_sweeps};
 use crate::assemble::{Assembly, Interfaces};
 use crate::error::SimulationError;
@@ -53,6 +54,19 @@ pub trait Shaken: Interfaces + Sync + Sized {
         response: &PeriodicResponse,
     ) -> Result<TimeCheck, SimulationError>;
 
+    /// What time integration finds where a branch under a force of this amplitude \[N\] has no harmonic balance;
+    /// not looked for by default.
+    ///
+    /// # Errors
+    /// [`SimulationError::Dynamics`] of the integration.
+    fn motions(
+        _assembly: &Assembly<Self>,
+        _amplitude: f64,
+        _branch: &Branch,
+    ) -> Result<Vec<IntegratedMotion>, SimulationError> {
+        Ok(Vec::new())
+    }
+
     /// Stepped sines by time integration over the frequencies `range` \[Hz\] at some force amplitudes \[N\].
     ///
     /// # Errors
@@ -92,6 +106,14 @@ impl Shaken for PreloadedStructure {
         response: &PeriodicResponse,
     ) -> Result<TimeCheck, SimulationError> {
         Ok(TimeCheck::of(assembly, response)?)
+    }
+
+    fn motions(
+        assembly: &Assembly,
+        amplitude: f64,
+        branch: &Branch,
+    ) -> Result<Vec<IntegratedMotion>, SimulationError> {
+        Ok(motions(assembly, amplitude, branch)?)
     }
 
     fn time_sweeps(

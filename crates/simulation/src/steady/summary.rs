@@ -4,8 +4,8 @@ use asperity_harmonic::{Branch, HarmonicError, PeriodicResponse, Termination};
 use serde::Serialize;
 
 use super::{
-    Backbones, CondensationReason, CondensedBody, StabilityUnknown, Steady, SteadyLevel, TimeCheck,
-    TimeSweep,
+    Backbones, CondensationReason, CondensedBody, IntegratedMotion, StabilityUnknown, Steady,
+    SteadyLevel, TimeCheck, TimeSweep,
 };
 use crate::provenance::Provenance;
 use crate::static_state::StaticSummary;
@@ -119,6 +119,11 @@ pub struct BranchSummary {
     pub end: TerminationSummary,
     /// Frequency of the last response \[Hz\].
     pub end_frequency_hz: Option<f64>,
+    /// The branch with more harmonics that did not cover the range, where this one took its place.
+    pub finer: Option<UnfinishedSummary>,
+    /// Motions by time integration at frequencies at which contact is lost, of a branch that does not cover the
+    /// range, or covers it with fewer harmonics only.
+    pub motions: Vec<IntegratedMotion>,
     /// True if contact is lost in a response.
     pub contact_lost: bool,
     /// Frequency of the first response along the branch that loses contact \[Hz\].
@@ -139,6 +144,19 @@ pub struct BranchSummary {
     pub warnings: Vec<Warning>,
     /// Time of the computation \[s\].
     pub wall_s: f64,
+}
+
+/// A branch that did not cover the range.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UnfinishedSummary {
+    /// Number of harmonics.
+    pub harmonics: usize,
+    /// Number of points.
+    pub points: usize,
+    /// Termination of the branch.
+    pub end: TerminationSummary,
+    /// Frequency of the last response \[Hz\].
+    pub end_frequency_hz: f64,
 }
 
 /// Termination of a branch.
@@ -298,6 +316,13 @@ impl LevelSummary {
             truncation: branch.truncation(),
             end: TerminationSummary::of(&branch.termination),
             end_frequency_hz: branch.points.last().map(PeriodicResponse::frequency_hz),
+            finer: branch.finer.as_ref().map(|finer| UnfinishedSummary {
+                harmonics: finer.harmonics,
+                points: finer.points,
+                end: TerminationSummary::of(&finer.termination),
+                end_frequency_hz: finer.frequency_hz,
+            }),
+            motions: level.motions.clone(),
             contact_lost: branch.points.iter().any(PeriodicResponse::contact_lost),
             contact_lost_from_hz: branch
                 .points
