@@ -25,7 +25,7 @@ use crate::law_comparison::{Compared, candidates, compare_laws};
 use crate::observed_quantity::ObservedQuantity;
 use crate::problem::{NoiseSpec, ParameterSpec};
 use crate::scenario_model::ScenarioModel;
-use crate::work::{WorkStage, expected_evaluations};
+use crate::work::{WorkStage, expected_evaluations, expected_of_explanations};
 use asperity_scenario::Laws;
 use asperity_simulation::provenance::InputFile;
 
@@ -154,7 +154,7 @@ pub fn identify_with_progress(
     let unfinished = Unfinished::begin(problem, &forward, &law_name, started);
     let own = own_fit(problem, &mut forward, &unfinished, progress)?;
     let given = Fit::resumed(&forward, own.clone(), progress)?;
-    let goodness = given.goodness();
+    let goodness = goodness_of(problem, &given);
     let factor = noise_factor(spec.noise, &goodness, (&forward, &about), &own.residuals);
     // All results below belong to the model with scaled standard deviations.
     let model = ScaledNoise::new(&forward, factor);
@@ -245,6 +245,16 @@ pub fn identify_with_progress(
         wall_s: started.elapsed().as_secs_f64(),
         about,
     })
+}
+
+/// The goodness of a fit; one that does not agree needs explanations.
+fn goodness_of(problem: &IdentificationProblem, given: &Fit<'_>) -> GoodnessOfFit {
+    let goodness = given.goodness();
+    if goodness.agreement() == Agreement::None && !problem.is_fast {
+        let more = expected_of_explanations(given.point.len());
+        problem.work.expect(WorkStage::Comparison, more);
+    }
+    goodness
 }
 
 /// Factor of the standard deviations: of the size of the residuals, and, where the law does not agree, of their

@@ -100,6 +100,12 @@ impl Work {
             State { started: Some(Instant::now()), stage: 0, expected };
     }
 
+    /// Expects more evaluations of a part.
+    pub(crate) fn expect(&self, stage: WorkStage, more: f64) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.expected[stage as usize] += more;
+    }
+
     /// Begins a part; the evaluations of the part before are now known.
     pub(crate) fn begin(&self, stage: WorkStage) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
@@ -107,6 +113,14 @@ impl Work {
         let before = state.stage;
         state.expected[before] = here;
         state.stage = stage as usize;
+    }
+
+    /// Evaluations so far.
+    #[cfg(test)]
+    pub(crate) fn done(&self) -> f64 {
+        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.expected[..state.stage].iter().sum::<f64>()
+            + self.points.load(Ordering::Relaxed) as f64
     }
 
     /// Counts evaluated points.
@@ -137,6 +151,12 @@ pub(crate) fn expected_evaluations(
         1.7 * (5.0 * surface + draws as f64)
     };
     [fit, profiles, posterior, compared as f64 * (1.5 * compared_fit + 40.0)]
+}
+
+/// Evaluations that the explanations of a misfit need: short fits with a parameter more.
+pub(crate) fn expected_of_explanations(parameters: usize) -> f64 {
+    // Three of given numbers and usually three of losses, which end after five steps.
+    6.0 * 5.0 * (2 * (parameters + 1) + 2) as f64
 }
 
 /// Combinations of latents that data usually inform.
