@@ -313,7 +313,7 @@ fn level(
     };
     let motions = match &outcome {
         Ok(branch) if branch.finer.is_some() || has_failed(branch) => {
-            motion::motions(assembly, force_n, branch)?
+            motion::motions(assembly, force_n, branch)
         }
         _ => Vec::new(),
     };
