@@ -53,14 +53,14 @@ pub(super) fn motions(assembly: &Assembly, force: f64, branch: &Branch) -> Vec<I
     let count = if low <= high { FREQUENCIES } else { 0 };
     let place = |n| low + (high - low) * (f64::from(n) + 0.5) / f64::from(FREQUENCIES);
     let at = |n| {
-        let tried = STEPS.iter().map(|&share| motion(assembly, force, place(n), share));
-        tried.filter_map(Result::ok).next()
+        let mut tried = STEPS.iter().map(|&share| motion(assembly, force, place(n), share));
+        tried.find_map(Result::ok)
     };
     (0..count).into_par_iter().filter_map(at).collect()
 }
 
-/// The motion at one frequency \[Hz\], in steps of this share of the first step for a single hit. The time is doubled while the fundamental changes, up to 5e6 steps or
-/// until the motion counts as not periodic.
+/// The motion at one frequency \[Hz\], in steps of this share of the first step for a single hit. The time is
+/// doubled while the fundamental changes, up to 5e6 steps or until the motion counts as not periodic.
 fn motion(
     assembly: &Assembly,
     force: f64,
