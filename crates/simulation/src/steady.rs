@@ -336,7 +336,7 @@ fn level<S: Shaken>(
     };
     let motions = match &outcome {
         Ok(branch) if branch.finer.is_some() || has_failed(branch) => {
-            S::motions(assembly, force_n, branch)?
+            S::motions(assembly, force_n, branch)
         }
         _ => Vec::new(),
     };

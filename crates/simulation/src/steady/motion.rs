@@ -16,8 +16,9 @@ use crate::assemble::Assembly;
 /// Number of frequencies at which a branch is asked for its motions.
 const FREQUENCIES: u32 = 5;
 
-/// Steps of the time integration are this part of those for a single hit.
-const STEP: f64 = 0.5;
+/// Steps of the time integration are these parts of the first step for a single hit, one after the other until
+/// the energy balance closes.
+const STEPS: [f64; 3] = [0.5, 0.25, 0.125];
 
 /// Most integration steps of a frequency: some seconds.
 const MOST_STEPS: f64 = 5e6;
@@ -44,30 +45,27 @@ pub struct IntegratedMotion {
 }
 
 /// The motions at equal distances between the lowest and the highest frequency at which a branch loses
-/// contact, in parallel; none for a branch that does not.
-///
-/// # Errors
-/// [`DynamicsError`] of the integration.
-pub(super) fn motions(
-    assembly: &Assembly,
-    force: f64,
-    branch: &Branch,
-) -> Result<Vec<IntegratedMotion>, DynamicsError> {
+/// contact, in parallel; none for a branch that does not, and at a frequency that cannot be integrated.
+pub(super) fn motions(assembly: &Assembly, force: f64, branch: &Branch) -> Vec<IntegratedMotion> {
     let lost = || branch.points.iter().filter(|point| point.contact_lost());
     let low = lost().map(PeriodicResponse::frequency_hz).fold(f64::INFINITY, f64::min);
     let high = lost().map(PeriodicResponse::frequency_hz).fold(0.0, f64::max);
     let count = if low <= high { FREQUENCIES } else { 0 };
     let place = |n| low + (high - low) * (f64::from(n) + 0.5) / f64::from(FREQUENCIES);
-    let all = (0..count).into_par_iter().map(|n| motion(assembly, force, place(n)));
-    all.collect()
+    let at = |n| {
+        let mut tried = STEPS.iter().map(|&share| motion(assembly, force, place(n), share));
+        tried.find_map(Result::ok)
+    };
+    (0..count).into_par_iter().filter_map(at).collect()
 }
 
-/// The motion at one frequency \[Hz\]. The time is doubled while the fundamental changes, up to 5e6 steps or
-/// until the motion counts as not periodic.
+/// The motion at one frequency \[Hz\], in steps of this share of the first step for a single hit. The time is
+/// doubled while the fundamental changes, up to 5e6 steps or until the motion counts as not periodic.
 fn motion(
     assembly: &Assembly,
     force: f64,
     frequency: f64,
+    share: f64,
 ) -> Result<IntegratedMotion, DynamicsError> {
     let mut periods = first_periods(assembly, frequency);
     let shaker = LoadCase::force(TimeFunction::Harmonic { frequency }, force);
@@ -76,7 +74,7 @@ fn motion(
     let sensor = &assembly.sensor_ports()[..1];
     let template = Modal::default().case(&assembly.structure, &shaker, sensor, &sampling)?;
     let (step, _) = template.first_step()?;
-    let steps = (1.0 / (frequency * STEP * step)).ceil();
+    let steps = (1.0 / (frequency * share * step)).ceil();
     let every_step = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });
     let run = |periods: f64| -> Result<CaseResponse, DynamicsError> {
         let (duration, step) = (periods / frequency, Some(1.0 / (frequency * steps)));
@@ -95,9 +93,9 @@ fn motion(
         let (motion, count) = found.motion(&mut scatter, &mut stalled);
         if motion != SteadyMotion::NotSettled || last {
             let half = periods / frequency;
-            let shares = response.contacts.iter().zip(&before.contacts);
-            let share = shares.map(|(all, first)| (all.lost - first.lost) / half);
-            let lost_share = (!last).then(|| share.fold(0.0, f64::max));
+            let lost = response.contacts.iter().zip(&before.contacts);
+            let lost = lost.map(|(all, first)| (all.lost - first.lost) / half);
+            let lost_share = (!last).then(|| lost.fold(0.0, f64::max));
             let apart = lost_share.is_some_and(|share| share >= APART);
             return Ok(IntegratedMotion {
                 frequency_hz: frequency,
@@ -127,7 +125,7 @@ mod tests {
     const AREA: f64 = 1.15e-4;
     const STIFFNESS: f64 = 1e12;
     const RATIO: f64 = 0.03;
-    const STEPS: usize = 2000;
+    const A_PERIOD: usize = 2000;
 
     /// The mass on its spring, which only pushes, from rest by the classical Runge-Kutta method: the fundamentals of
     /// the last 60 of 300 periods, the last first, and the share of the time that contact is lost.
@@ -138,12 +136,12 @@ mod tests {
             let held = (weight + k * u).max(0.0) - weight;
             [v, (force * (w * t).sin() - held) / MASS - rate * v]
         };
-        let dt = 1.0 / (frequency * STEPS as f64);
+        let dt = 1.0 / (frequency * A_PERIOD as f64);
         let ahead = |x: [f64; 2], k: [f64; 2], h: f64| [x[0] + h * k[0], x[1] + h * k[1]];
         let (mut state, mut samples, mut open) = ([0.0; 2], Vec::new(), 0);
-        for n in 0..300 * STEPS {
+        for n in 0..300 * A_PERIOD {
             let t = n as f64 * dt;
-            if n >= 240 * STEPS {
+            if n >= 240 * A_PERIOD {
                 samples.push(state[0]);
                 open += usize::from(weight + k * state[0] < 0.0);
             }
@@ -156,7 +154,7 @@ mod tests {
             }
         }
         let share = open as f64 / samples.len() as f64;
-        (samples.rchunks_exact(STEPS).map(crate::steady::settled::fundamental).collect(), share)
+        (samples.rchunks_exact(A_PERIOD).map(crate::steady::settled::fundamental).collect(), share)
     }
 
     /// Under six tenths of its weight above resonance a mass on a spring that only pushes has the period of the force;
@@ -184,7 +182,7 @@ mod tests {
                 assert!(again(periods) < 1e-6 * size && (periods == 1 || again(1) > 0.1 * size));
             }
             let mean = fundamentals.iter().sum::<Complex64>() / fundamentals.len() as f64;
-            let found = motion(&assembly, force, frequency).unwrap();
+            let found = motion(&assembly, force, frequency, STEPS[0]).unwrap();
             assert_eq!(found.periods, Some(periods), "{found:?}");
             let expected =
                 if periods == 1 { SteadyMotion::Periodic } else { SteadyMotion::Subharmonic };

@@ -56,15 +56,12 @@ pub trait Shaken: Interfaces + Sync + Sized {
 
     /// What time integration finds where a branch under a force of this amplitude \[N\] has no harmonic balance;
     /// not looked for by default.
-    ///
-    /// # Errors
-    /// [`SimulationError::Dynamics`] of the integration.
     fn motions(
         _assembly: &Assembly<Self>,
         _amplitude: f64,
         _branch: &Branch,
-    ) -> Result<Vec<IntegratedMotion>, SimulationError> {
-        Ok(Vec::new())
+    ) -> Vec<IntegratedMotion> {
+        Vec::new()
     }
 
     /// Stepped sines by time integration over the frequencies `range` \[Hz\] at some force amplitudes \[N\].
@@ -108,12 +105,8 @@ impl Shaken for PreloadedStructure {
         Ok(TimeCheck::of(assembly, response)?)
     }
 
-    fn motions(
-        assembly: &Assembly,
-        amplitude: f64,
-        branch: &Branch,
-    ) -> Result<Vec<IntegratedMotion>, SimulationError> {
-        Ok(motions(assembly, amplitude, branch)?)
+    fn motions(assembly: &Assembly, amplitude: f64, branch: &Branch) -> Vec<IntegratedMotion> {
+        motions(assembly, amplitude, branch)
     }
 
     fn time_sweeps(
