@@ -60,6 +60,7 @@ mod sparse;
 mod surface_cells;
 mod text;
 mod units;
+mod vtu;
 
 pub use cells::{CellWeight, ContactCell, NodalForce, read_cells, read_loads};
 pub use contact_surface::ContactSurface;
@@ -76,3 +77,4 @@ pub use rigid_motions::RigidMotions;
 pub use sparse::SparseSymmetric;
 pub use surface_cells::{PatchSplit, SurfaceCells};
 pub use units::MatrixUnits;
+pub use vtu::VtuGrid;

@@ -87,6 +87,18 @@ impl ReducedBody {
     /// with a negative eigenvalue, or with a motion that has neither stiffness nor mass, for matrices that are too large
     /// for the memory, or eigenvalues that do not converge.
     pub fn new(body: &SparseBody, ports: &[PortPattern], modes: usize) -> Result<Self, MeshError> {
+        Self::with_shapes(body, ports, modes).map(|(reduced, _)| reduced)
+    }
+
+    /// As [`new`](Self::new), with the shapes of the modes at all rows \[kg^-1/2\]: rows by modes.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new).
+    pub fn with_shapes(
+        body: &SparseBody,
+        ports: &[PortPattern],
+        modes: usize,
+    ) -> Result<(Self, Mat<f64>), MeshError> {
         let size = body.size();
         if let Some(&(dof, _)) = ports.iter().flatten().find(|(dof, _)| *dof >= size) {
             return Err(MeshError::DegreeOfFreedom { dof, size });
@@ -121,7 +133,7 @@ impl ReducedBody {
         let least = found.squares.get(kept).or(squares.last()).copied().unwrap_or_default();
         let residual = of_shift.residual(ports, (&shapes, &participations), least)?;
         let angular_frequencies = squares.iter().map(|square| square.sqrt()).collect();
-        Ok(Self { angular_frequencies, participations, residual })
+        Ok((Self { angular_frequencies, participations, residual }, shapes))
     }
 
     /// Number of rigid motions.

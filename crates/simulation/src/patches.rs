@@ -6,23 +6,31 @@
 //! | [`ports`] | cells of patches, springs, loads, excitation and sensors as ports of the bodies |
 //! | `patch_cells` | cells of a file, between surfaces, or of a reduced model |
 //! | [`structure`] | a scenario to a structure at rest |
+//! | [`body_shapes`] | shapes of the modes of a body at its rows |
 //! | [`kept_reduction`] | reductions kept on disk under what they depend on |
 //! | [`run`] | transient runs |
 //! | `rows` | rows of a sweep or a study |
 //! | `steady` | steady responses |
 //! | [`modes`] | linearised modes |
+//! | [`mode_shapes`] | modes on meshes, as VTU and universal files |
+//! | [`patch_map`] | places of cells with their pressures and gaps at rest |
 
 mod body;
+pub mod body_shapes;
 pub mod kept_reduction;
+pub mod mode_shapes;
 pub mod modes;
 mod patch_cells;
+pub mod patch_map;
 pub mod ports;
 mod rows;
 pub mod run;
 mod steady;
 pub mod structure;
 
+pub use mode_shapes::{MeshModes, mesh_modes};
 pub use modes::{PatchModes, patch_modes};
+pub use patch_map::{CellPlace, PatchMap, patch_grid, patch_maps};
 pub use ports::Patch;
 pub(crate) use rows::PatchRows;
 pub use run::{CellCounts, CellSummary, PatchRun, PatchSummary, Truncation, simulate_patches};

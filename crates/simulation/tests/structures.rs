@@ -9,7 +9,9 @@ use std::fs;
 use std::path::Path;
 
 use asperity_scenario::Document;
-use asperity_simulation::patches::{assemble_patches, patch_modes, simulate_patches};
+use asperity_simulation::patches::{
+    assemble_patches, mesh_modes, patch_grid, patch_maps, patch_modes, simulate_patches,
+};
 
 /// Mass \[kg\] and stiffness \[N/m\] of a chain.
 const MASS: f64 = 0.5;
@@ -88,6 +90,62 @@ fn bodies_joined_by_a_damped_spring_are_one_chain() {
         let modal_mass = MASS * shape.iter().map(|x| x * x).sum::<f64>();
         let expected = damper * (shape[2] - shape[1]).powi(2) / modal_mass / (2.0 * w);
         assert!((ratio - expected).abs() < 1e-9 * expected + 1e-15, "{ratio} {expected}");
+    }
+}
+
+/// Mode shapes on a mesh, from the reduction just made and from the kept one: a chain of four on a spring, whose shapes are
+/// `sin((2 j - 1) i pi / 9)` with a modal mass of 1. The map of the cell lies at its node.
+#[test]
+fn shapes_on_a_mesh_are_those_of_the_chain() {
+    let folder = tempfile::tempdir().unwrap();
+    write_chains(folder.path(), [4, 2]);
+    let deck = "*NODE\n1,0.0,0,0\n2,0.1,0,0\n3,0.2,0,0\n4,0.3,0,0\n5,9,9,9\n";
+    fs::write(folder.path().join("chain.inp"), deck).unwrap();
+    let text = scenario(&["a"], "first.csv", "")
+        .replace(r#"{"name": "a","#, r#"{"name": "a", "mesh": "chain.inp","#);
+    let document = Document::parse(&text, folder.path().join("chain.json")).unwrap();
+    let scenario = document.structure_scenario().unwrap();
+    for kept in [false, true, true] {
+        let shapes = fs::read_dir(folder.path().join(".asperity-reductions"))
+            .map(|all| all.flatten().filter(|file| file.path().extension().is_some()).count());
+        assert_eq!(shapes.unwrap_or(0), usize::from(kept));
+        let assembly = assemble_patches(&scenario, document.folder()).unwrap();
+        let found = patch_modes(&assembly, 4).unwrap();
+        let meshes = mesh_modes(&scenario, &assembly.structure, &found, document.folder()).unwrap();
+        let text = meshes[0].universal_file();
+        assert!(text.lines().all(|line| line.len() <= 80));
+        let sets: Vec<Vec<&str>> = text
+            .split("    -1\n")
+            .map(|set| set.lines().collect())
+            .filter(|set: &Vec<&str>| !set.is_empty())
+            .collect();
+        let numbers: Vec<&str> = sets.iter().map(|set| set[0].trim()).collect();
+        assert_eq!(numbers, ["164", "2411", "55", "55", "55", "55"]);
+        assert_eq!(sets[1].len(), 1 + 2 * 5);
+        assert_eq!(sets[1][3], "         2         1         1        11");
+        assert_eq!(sets[1][4][..25].trim(), "1.0000000000000001E-01");
+        for (j, set) in sets[2..].iter().enumerate() {
+            let number = |line: usize, field: usize| -> f64 {
+                set[line][13 * field..13 * (field + 1)].trim().parse().unwrap()
+            };
+            let odd = (2 * j + 1) as f64;
+            let w = 2.0 * (STIFFNESS / MASS).sqrt() * (odd * PI / 18.0).sin();
+            assert!((TAU * number(8, 0) / w - 1.0).abs() < 1e-5);
+            assert_eq!(number(8, 1), 1.0);
+            let shape = [1, 2, 3, 4].map(|i| (odd * f64::from(i) * PI / 9.0).sin());
+            let size = (MASS * shape.iter().map(|x| x * x).sum::<f64>()).sqrt();
+            let sign = number(10, 0).signum() * shape[0].signum();
+            for (i, x) in shape.iter().enumerate() {
+                assert!((number(10 + 2 * i, 0) - sign * x / size).abs() < 2e-5, "{j} {i}");
+                assert_eq!(number(10 + 2 * i, 2), 0.0);
+            }
+            // The fifth node has no rows.
+            assert_eq!((number(18, 0), set.len()), (0.0, 19));
+        }
+        assert!(meshes[0].grid().contains("Name=\"mode 4: "));
+        let maps = patch_maps(&scenario, &assembly.structure, document.folder()).unwrap();
+        assert_eq!(maps[0].cells[0].polygons, [vec![[0.0; 3]]]);
+        assert!(patch_grid(&maps).unwrap().contains("Name=\"pressure_pa\""));
     }
 }
 

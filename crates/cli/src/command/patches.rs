@@ -2,7 +2,8 @@
 
 use asperity_scenario::{Document, StructureScenario};
 use asperity_simulation::patches::{
-    CellSummary, PatchSummary, assemble_patches, patch_modes, simulate_patches,
+    CellSummary, PatchStructure, PatchSummary, assemble_patches, mesh_modes, patch_grid,
+    patch_maps, patch_modes, simulate_patches,
 };
 use asperity_simulation::provenance::Provenance;
 use serde_json::json;
@@ -40,12 +41,27 @@ pub(super) fn simulate(
     let found = with_percents(quiet, |progress| simulate_patches(document, &scenario, progress))?;
     write_run(&folder, &found.run, record, magnitude)?;
     folder.write("cells.csv", found.cells_table().to_csv())?;
+    write_maps(&folder, &scenario, &found.run.assembly.structure, document)?;
     let summary = found.summary();
     let folder = folder.finish("summary.json", &json!(summary), output.json)?;
     if !output.json && !quiet {
         answer!("{}", in_words(&summary.summary));
         answer!("{}", cells_in_words(&summary, &found.cells));
         answer_line!("written to {}", folder.display());
+    }
+    Ok(())
+}
+
+/// Pressures at rest where the cells are, as a grid of `ParaView`.
+fn write_maps(
+    folder: &ResultFolder,
+    scenario: &StructureScenario,
+    structure: &PatchStructure,
+    document: &Document,
+) -> Result<(), Failure> {
+    let maps = patch_maps(scenario, structure, document.folder())?;
+    if let Some(grid) = patch_grid(&maps) {
+        folder.write("cells.vtu", grid)?;
     }
     Ok(())
 }
@@ -72,12 +88,19 @@ fn cells_in_words(summary: &PatchSummary, cells: &[Vec<CellSummary>]) -> String 
     lines.concat()
 }
 
-/// Computes natural frequencies, damping ratios and participations about static equilibrium.
+/// Computes natural frequencies, damping ratios and participations about static equilibrium, and shapes on meshes.
 pub(super) fn modes(document: &Document, output: &Output, count: usize) -> Result<(), Failure> {
     let scenario = checked(document)?;
     let assembly = assemble_patches(&scenario, document.folder())?;
     let found = patch_modes(&assembly, count)?;
     let folder = ResultFolder::claim("modes", document.path(), output)?;
+    write_maps(&folder, &scenario, &assembly.structure, document)?;
+    for (number, mesh) in
+        (1..).zip(mesh_modes(&scenario, &assembly.structure, &found, document.folder())?)
+    {
+        folder.write(&format!("modes-{number}.vtu"), mesh.grid())?;
+        folder.write(&format!("modes-{number}.unv"), mesh.universal_file())?;
+    }
     let provenance = Provenance::of_structure(document, &scenario)?;
     let answer = found.summary(scenario.title.clone(), &assembly, provenance);
     let folder = folder.finish("modes.json", &json!(answer), output.json)?;

@@ -1,5 +1,7 @@
 //! Reductions kept on disk beside the scenario, under what they depend on.
 //!
+//! The shapes of the modes at all rows, which few need, are a file beside it.
+//!
 //! A kept reduction is a file of little-endian numbers: a mark, the number of bodies, of each the numbers of modes and
 //! ports, angular frequencies, participations and residual flexibility, and a check sum. A file that is not
 //! whole is made again.
@@ -8,19 +10,23 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use asperity_matrices::Dof;
 use asperity_mesh::{ReducedBody, ResidualFlexibility};
 use asperity_scenario::{PatchSpec, StaticLoadSpec, StructureScenario, text_sha256};
+use faer::Mat;
 use serde_json::json;
 
+use super::body_shapes::BodyShapes;
 use crate::error::SimulationError;
 
 /// Folder of kept reductions, in the folder of the scenario.
 pub const FOLDER: &str = ".asperity-reductions";
 
-/// Kept reductions of a folder; the oldest are removed.
-const MOST_KEPT: usize = 20;
+/// Files of kept reductions and shapes of a folder; the oldest are removed.
+const MOST_KEPT: usize = 40;
 
 const MARK: &[u8; 8] = b"asprrd01";
+const SHAPES_MARK: &[u8; 8] = b"asprsh01";
 
 /// Name of the file of a reduction, from all that the reduction depends on.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -86,6 +92,23 @@ pub fn keep(folder: &Path, key: &ReductionKey, reductions: &[ReducedBody]) {
     }
 }
 
+/// The kept shapes of `key`, if there are.
+pub fn find_shapes(folder: &Path, key: &ReductionKey) -> Option<Vec<BodyShapes>> {
+    decoded_shapes(&fs::read(folder.join(FOLDER).join(shapes_name(key))).ok()?)
+}
+
+/// Keeps `shapes` beside the reduction of `key`, where the folder can be written to.
+pub fn keep_shapes(folder: &Path, key: &ReductionKey, shapes: &[BodyShapes]) {
+    if let Err(error) = write(&folder.join(FOLDER).join(shapes_name(key)), &encoded_shapes(shapes))
+    {
+        tracing::info!("the shapes are not kept: {error}");
+    }
+}
+
+fn shapes_name(key: &ReductionKey) -> String {
+    format!("{}.shapes", key.0)
+}
+
 /// Writes a file under a temporary name, and removes the oldest of too many.
 fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
@@ -143,6 +166,49 @@ fn decoded(bytes: &[u8]) -> Option<Vec<ReducedBody>> {
     words.0.is_empty().then_some(found)
 }
 
+fn encoded_shapes(bodies: &[BodyShapes]) -> Vec<u8> {
+    let mut bytes = SHAPES_MARK.to_vec();
+    bytes.extend((bodies.len() as u64).to_le_bytes());
+    for BodyShapes { dofs, shapes } in bodies {
+        bytes.extend((dofs.len() as u64).to_le_bytes());
+        bytes.extend((shapes.ncols() as u64).to_le_bytes());
+        for dof in dofs {
+            bytes.extend(dof.node.to_le_bytes());
+            bytes.extend(u64::from(dof.direction).to_le_bytes());
+        }
+        for mode in 0..shapes.ncols() {
+            for row in 0..shapes.nrows() {
+                bytes.extend(shapes[(row, mode)].to_le_bytes());
+            }
+        }
+    }
+    let sum = check_sum(&bytes);
+    bytes.extend(sum.to_le_bytes());
+    bytes
+}
+
+fn decoded_shapes(bytes: &[u8]) -> Option<Vec<BodyShapes>> {
+    let (content, sum) = bytes.split_at_checked(bytes.len().checked_sub(8)?)?;
+    if check_sum(content).to_le_bytes() != sum {
+        return None;
+    }
+    let mut words = Words(content.strip_prefix(SHAPES_MARK)?);
+    let bodies = words.count()?;
+    let mut found = Vec::new();
+    for _ in 0..bodies {
+        let (rows, modes) = (words.count()?, words.count()?);
+        let mut dofs = Vec::with_capacity(rows);
+        for _ in 0..rows {
+            let node = i64::from_le_bytes(words.next()?);
+            dofs.push(Dof { node, direction: u64::from_le_bytes(words.next()?).try_into().ok()? });
+        }
+        let values = words.numbers(rows.checked_mul(modes)?)?;
+        let shapes = Mat::from_fn(rows, modes, |row, mode| values[row + mode * rows]);
+        found.push(BodyShapes { dofs, shapes });
+    }
+    words.0.is_empty().then_some(found)
+}
+
 /// Eight-byte words.
 struct Words<'a>(&'a [u8]);
 
@@ -192,6 +258,20 @@ mod tests {
     fn a_reduction_is_read_back_to_the_last_bit() {
         let bodies = vec![body(), body()];
         assert_eq!(decoded(&encoded(&bodies)), Some(bodies));
+    }
+
+    #[test]
+    fn shapes_are_read_back_to_the_last_bit() {
+        let body = BodyShapes {
+            dofs: vec![Dof::new(-3, 1), Dof::new(12, 3)],
+            shapes: Mat::from_fn(2, 3, |row, mode| row as f64 - 0.1 * mode as f64),
+        };
+        let bodies = vec![body.clone(), body];
+        let bytes = encoded_shapes(&bodies);
+        assert_eq!(decoded_shapes(&bytes), Some(bodies));
+        for end in 0..bytes.len() {
+            assert_eq!(decoded_shapes(&bytes[..end]), None);
+        }
     }
 
     #[test]

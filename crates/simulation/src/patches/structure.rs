@@ -12,6 +12,7 @@ use asperity_structure::{
 use tracing::info_span;
 
 use super::body::Body;
+use super::body_shapes::BodyShapes;
 use super::kept_reduction::{self, FOLDER, ReductionKey};
 use super::ports::{Patch, Ports};
 use crate::accuracy::DEFAULT_ACCURACY;
@@ -91,10 +92,7 @@ pub fn assemble_patches(
     let (ports, reduced) = if let Some(found) = kept_reduction::find(folder, &key) {
         (Ports::read(scenario, folder, false)?, found)
     } else {
-        let read = info_span!("read matrices");
-        let ports = read.in_scope(|| Ports::read(scenario, folder, true))?;
-        let made = info_span!("reduce").in_scope(|| reduced_bodies(scenario, &ports))?;
-        kept_reduction::keep(folder, &key, &made);
+        let (ports, made, _) = reduced(scenario, folder, &key)?;
         (ports, made)
     };
     let count = ports.patterns.len();
@@ -141,19 +139,32 @@ pub fn assemble_patches(
     })
 }
 
-/// The bodies in their modes, with the flexibility at their ports.
-fn reduced_bodies(
-    scenario: &StructureScenario,
-    ports: &Ports<'_>,
-) -> Result<Vec<ReducedBody>, SimulationError> {
+/// The ports, and the bodies in their modes, with the flexibility at their ports and the shapes at their rows; both are
+/// kept.
+pub(super) fn reduced<'a>(
+    scenario: &'a StructureScenario,
+    folder: &Path,
+    key: &ReductionKey,
+) -> Result<(Ports<'a>, Vec<ReducedBody>, Vec<BodyShapes>), SimulationError> {
+    let read = info_span!("read matrices");
+    let ports = read.in_scope(|| Ports::read(scenario, folder, true))?;
     let reduce = |(number, body): (usize, &Body)| {
         let own = ports.of(number).into_iter();
         let patterns: Vec<PortPattern> = own.map(|port| ports.patterns[port].1.clone()).collect();
+        let dofs = body.matrices.dofs().to_vec();
         let body = body.sparse(ports.decks[number].as_ref())?;
         let modes = scenario.bodies[number].reduction.modes;
-        Ok(ReducedBody::new(&body, &patterns, modes).map_err(StructureError::from)?)
+        let (reduced, shapes) =
+            ReducedBody::with_shapes(&body, &patterns, modes).map_err(StructureError::from)?;
+        Ok::<_, SimulationError>((reduced, BodyShapes { dofs, shapes }))
     };
-    ports.bodies.iter().enumerate().map(reduce).collect()
+    let (made, shapes): (Vec<_>, Vec<_>) = info_span!("reduce").in_scope(|| {
+        let all = ports.bodies.iter().enumerate().map(reduce).collect::<Result<Vec<_>, _>>()?;
+        Ok::<_, SimulationError>(all.into_iter().unzip())
+    })?;
+    kept_reduction::keep(folder, key, &made);
+    kept_reduction::keep_shapes(folder, key, &shapes);
+    Ok((ports, made, shapes))
 }
 
 /// A patch as one contact of its whole area at its mean pressure.
