@@ -8,6 +8,7 @@
 //! | transient run | [`history`], [`frf`] | |
 //! | sweep | [`sweep`] | |
 //! | laws, modes | [`laws`], [`modes`] | |
+//! | contact patches at rest | [`pressure_maps`] | |
 //! | steady responses | [`steady`] | [`steady_report`], in the words of [`steady_words`] |
 //! | measured hits | [`figures`], [`responses`] | [`analysis_report`] |
 //! | functions of a file | [`frf_file`] | |
@@ -34,6 +35,7 @@ mod decay;
 mod frf_file;
 mod identification;
 mod magnitude;
+mod pressure_map;
 mod response;
 mod steady;
 pub mod steady_words;
@@ -48,6 +50,7 @@ pub use decay::{decay_figures, decay_report};
 pub use frf_file::frf_file;
 pub use identification::{feature_name, identification, identification_report, measurement};
 pub use magnitude::MagnitudeAxis;
+pub use pressure_map::pressure_maps;
 pub use response::{frf, history};
 pub use steady::{steady, steady_report};
 pub use structure::{laws, modes};

@@ -52,7 +52,7 @@ pub(super) fn simulate(
     Ok(())
 }
 
-/// Pressures at rest where the cells are, as a grid of `ParaView`.
+/// Pressures at rest where the cells are, as a figure and a grid of `ParaView`.
 fn write_maps(
     folder: &ResultFolder,
     scenario: &StructureScenario,
@@ -60,6 +60,9 @@ fn write_maps(
     document: &Document,
 ) -> Result<(), Failure> {
     let maps = patch_maps(scenario, structure, document.folder())?;
+    if let Some(figure) = asperity_plot::pressure_maps(&maps) {
+        folder.draw("pressure", &figure)?;
+    }
     if let Some(grid) = patch_grid(&maps) {
         folder.write("cells.vtu", grid)?;
     }
