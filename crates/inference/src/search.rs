@@ -43,8 +43,6 @@ const MAX_DAMPING: f64 = 1e20;
 
 /// Ratio of actual to expected reduction below which a step is corrected for the curvature of the predictions.
 const GOOD_RATIO: f64 = 0.75;
-/// Longest correction over the step (Transtrum and Sethna's bound of the acceleration, 0.75, halved).
-const LARGEST_CORRECTION: f64 = 0.375;
 
 /// Least ratio of actual to expected reduction after which updated derivatives are used further.
 const UPDATED_RATIO: f64 = 0.25;
@@ -361,7 +359,7 @@ impl Search {
             || (self.x[j] >= problem.upper[j] && gradient <= 0.0)
     }
 
-    /// How far each parameter may go from the point, down and up.
+    /// Distances that each parameter may go from the point, down and up.
     fn room(&self, problem: &FitProblem<'_>, linear: &LinearisedCost) -> Vec<[f64; 2]> {
         let gradient = linear.gradient(self.x.len());
         let room = |j: usize| {
@@ -437,22 +435,8 @@ impl Search {
             .collect();
         // Priors are linear.
         curvature.resize(linear.residuals.len(), 0.0);
-        let jacobian = linear.jacobian.clone();
-        let room: Vec<[f64; 2]> = self.room(problem, linear);
-        let room: Vec<[f64; 2]> = room
-            .iter()
-            .zip(&plain.step)
-            .map(|(room, step)| [(room[0] - step).min(0.0), (room[1] - step).max(0.0)])
-            .collect();
-        let curved = LinearisedCost { jacobian, residuals: curvature };
-        let correction = curved.step(self.damping, &self.scaling, &room)?;
-        let length = |step: &[f64]| {
-            step.iter().zip(&self.scaling).map(|(s, d)| (s * d).powi(2)).sum::<f64>().sqrt()
-        };
-        if length(&correction) > LARGEST_CORRECTION * length(&plain.step) {
-            return None;
-        }
-        Some(plain.step.iter().zip(&correction).map(|(step, c)| step + c).collect())
+        let room = self.room(problem, linear);
+        linear.corrected(&plain.step, curvature, (self.damping, &self.scaling), &room)
     }
 
     /// Accepts or rejects a trial step, or corrects it.

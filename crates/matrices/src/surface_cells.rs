@@ -280,7 +280,7 @@ impl<'a> Sorted<'a> {
     }
 }
 
-/// What is known of a cell: integrals of the shape functions of both sides.
+/// Sums of a cell: integrals of the shape functions of both sides.
 #[derive(Debug, Default)]
 struct CellSum {
     area: f64,

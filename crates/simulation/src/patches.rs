@@ -6,7 +6,6 @@
 //! | [`ports`] | cells of patches, springs, loads, excitation and sensors as ports of the bodies |
 //! | `patch_cells` | cells of a file, between surfaces, or of a reduced model |
 //! | [`structure`] | a scenario to a structure at rest |
-//! | [`body_shapes`] | shapes of the modes of a body at its rows |
 //! | [`kept_reduction`] | reductions kept on disk under what they depend on |
 //! | [`run`] | transient runs |
 //! | `rows` | rows of a sweep or a study |
@@ -16,7 +15,6 @@
 //! | [`patch_map`] | places of cells with their pressures and gaps at rest |
 
 mod body;
-pub mod body_shapes;
 pub mod kept_reduction;
 pub mod mode_shapes;
 pub mod modes;

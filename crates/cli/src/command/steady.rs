@@ -48,7 +48,7 @@ pub(crate) fn run(
     follow(&assembly, &request, own, output, threads, quiet)
 }
 
-/// What the results of a scenario say about it.
+/// Parts of the results that depend on the kind of scenario.
 struct Own<'a> {
     document: &'a Document,
     title: Option<String>,

@@ -9,11 +9,9 @@
 //! ```
 //!
 //! Newton steps take the forces of closed contacts as unknowns, `(1 / (A k) + G) f = r`, which is symmetric and
-//! positive definite however stiff or soft the contacts are. Its factor is kept while stiffnesses
-//! change little. Contacts may be open at rest, and there may be hundreds.
+//! positive definite however stiff or soft the contacts are. Its factor is kept while stiffnesses change little.
 //!
-//! A spring, a contact of constant stiffness that carries tension, may have a damper: the mean of its force in a step is
-//! `c (x - x_0) / h`.
+//! A spring, a contact that carries tension, may have a damper of the mean force `c (x - x_0) / h` in a step.
 
 mod contact_forces;
 mod run_parts;
@@ -120,11 +118,10 @@ impl ManyContacts {
                 accepted: "1 to 1000",
             });
         }
-        let is_spring = |contact: &PreloadedContact| contact.law().domain().is_bilateral();
-        let damped = structure
-            .contacts()
-            .iter()
-            .find(|contact| contact.damping().is_some() && !is_spring(contact));
+        let is_damped = |contact: &&PreloadedContact| {
+            contact.damping().is_some() && !contact.law().domain().is_bilateral()
+        };
+        let damped = structure.contacts().iter().find(is_damped);
         let dissipative = damped.map(PreloadedContact::name).or(structure.friction());
         if let Some(element) = dissipative {
             return Err(DynamicsError::Dissipative { element: element.to_owned() });
@@ -232,7 +229,7 @@ struct Run<'a> {
     before: Vec<f64>,
     forces: Vec<f64>,
     stiffness: Vec<f64>,
-    /// Force of each damper \[N\], and its stiffness in a step, `2 c / h` \[N/m\].
+    /// Force of each damper \[N\] and its stiffness in a step, `2 c / h` \[N/m\].
     damper_forces: Vec<f64>,
     damper_stiffness: Vec<f64>,
     load_value: f64,

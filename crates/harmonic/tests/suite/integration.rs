@@ -187,8 +187,7 @@ fn one_harmonic_of_a_mass_on_a_spring_that_only_pushes_is_the_closed_form() {
     }
 }
 
-/// Where the branch with the most harmonics has too many points, one with fewer that covers the range takes
-/// its place: a bar on a spring that only pushes, whose high modes are excited by every impact.
+/// A branch with fewer harmonics that covers the range takes the place of one with too many points: a bar on a spring that only pushes, whose high modes are excited by every impact.
 #[test]
 fn fewer_harmonics_take_the_place_of_a_branch_without_an_end() {
     let bar = Body::with_mass("bar", 0.1415, 0.4723, 2e11, 2700.0).unwrap();

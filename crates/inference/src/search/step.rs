@@ -5,6 +5,9 @@ use faer::linalg::solvers::SolveLstsq;
 
 use crate::linear_algebra::dot;
 
+/// Longest correction over the step (Transtrum and Sethna's bound of the acceleration, 0.75, halved).
+const LARGEST_CORRECTION: f64 = 0.375;
+
 /// The linearised problem at a point: weighted residuals and their Jacobian.
 pub(crate) struct LinearisedCost {
     /// Rows times parameters.
@@ -13,6 +16,30 @@ pub(crate) struct LinearisedCost {
 }
 
 impl LinearisedCost {
+    /// A step with its correction `c` for the curvature `k` of the predictions along it, the minimum of
+    /// `|r + J d + k + J c|^2 + damping |D c|^2`; `None` where the correction is not small against the step.
+    pub(crate) fn corrected(
+        &self,
+        step: &[f64],
+        curvature: Vec<f64>,
+        (damping, scaling): (f64, &[f64]),
+        room: &[[f64; 2]],
+    ) -> Option<Vec<f64>> {
+        let left = |(room, step): (&[f64; 2], &f64)| {
+            [(room[0] - step).min(0.0), (room[1] - step).max(0.0)]
+        };
+        let room: Vec<[f64; 2]> = room.iter().zip(step).map(left).collect();
+        let curved = Self { jacobian: self.jacobian.clone(), residuals: curvature };
+        let correction = curved.step(damping, scaling, &room)?;
+        let length = |step: &[f64]| {
+            step.iter().zip(scaling).map(|(s, d)| (s * d).powi(2)).sum::<f64>().sqrt()
+        };
+        if length(&correction) > LARGEST_CORRECTION * length(step) {
+            return None;
+        }
+        Some(step.iter().zip(&correction).map(|(step, c)| step + c).collect())
+    }
+
     pub(crate) fn gradient(&self, parameters: usize) -> Vec<f64> {
         let mut gradient = vec![0.0; parameters];
         for (row, residual) in self.jacobian.iter().zip(&self.residuals) {

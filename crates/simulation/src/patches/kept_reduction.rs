@@ -16,7 +16,6 @@ use asperity_scenario::{PatchSpec, StaticLoadSpec, StructureScenario, text_sha25
 use faer::Mat;
 use serde_json::json;
 
-use super::body_shapes::BodyShapes;
 use crate::error::SimulationError;
 
 /// Folder of kept reductions, in the folder of the scenario.
@@ -90,6 +89,15 @@ pub fn keep(folder: &Path, key: &ReductionKey, reductions: &[ReducedBody]) {
     if let Err(error) = write(&folder.join(FOLDER).join(&key.0), &encoded(reductions)) {
         tracing::info!("the reduction is not kept: {error}");
     }
+}
+
+/// Shapes of the modes kept of a body at its rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyShapes {
+    /// The degree of freedom of each row.
+    pub dofs: Vec<Dof>,
+    /// Shapes \[kg^-1/2\]: rows by modes.
+    pub shapes: Mat<f64>,
 }
 
 /// The kept shapes of `key`, if there are.

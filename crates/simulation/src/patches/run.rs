@@ -54,7 +54,7 @@ pub struct PatchRun {
 /// `summary.json` of a run of a structure with patches.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PatchSummary {
-    /// What runs of bars say too.
+    /// Numbers that runs of bars have too.
     #[serde(flatten)]
     pub summary: Summary,
     /// The cells of each interface.
@@ -94,14 +94,14 @@ impl CellCounts {
     }
 }
 
-/// Modes kept, and what those left out are worth.
+/// Modes kept, and the errors by those left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Truncation {
     /// Number of modes kept of each body.
     pub modes_per_body: Vec<usize>,
     /// Relative errors by the modes left out, at most.
     pub relative_error: f64,
-    /// What is kept of the others.
+    /// Treatment of the others.
     pub note: &'static str,
 }
 

@@ -12,8 +12,7 @@ use asperity_structure::{
 use tracing::info_span;
 
 use super::body::Body;
-use super::body_shapes::BodyShapes;
-use super::kept_reduction::{self, FOLDER, ReductionKey};
+use super::kept_reduction::{self, BodyShapes, FOLDER, ReductionKey};
 use super::ports::{Patch, Ports};
 use crate::accuracy::DEFAULT_ACCURACY;
 use crate::assemble::{Assembly, Interfaces, Sensor, samples_of};

@@ -54,7 +54,7 @@ pub trait Shaken: Interfaces + Sync + Sized {
         response: &PeriodicResponse,
     ) -> Result<TimeCheck, SimulationError>;
 
-    /// What time integration finds where a branch under a force of this amplitude \[N\] has no harmonic balance;
+    /// Motions by time integration where a branch under a force of this amplitude \[N\] has no harmonic balance;
     /// not looked for by default.
     fn motions(
         _assembly: &Assembly<Self>,
