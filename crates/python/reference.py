@@ -69,6 +69,7 @@ PARTS: tuple[tuple[str, ModuleType, tuple[str, ...]], ...] = (
             "SteadyResponses",
             "modes",
             "Modes",
+            "write_matrices",
         ),
     ),
     (

@@ -17,6 +17,7 @@ use std::f64::consts::PI;
 use crate::error::IdentificationError;
 use crate::identification_problem::IdentificationProblem;
 use crate::law_band::{LawBand, StiffnessEstimate, StiffnessOrigin};
+use crate::problem::GivenSpec;
 use crate::problem_parameters::is_within;
 use crate::scenario_model::ScenarioModel;
 
@@ -36,6 +37,9 @@ const MOST_NUMBERS: usize = 80;
 /// Sections of a scenario whose numbers describe the rig, but for the laws.
 const SECTIONS: [&str; 7] =
     ["gravity_m_per_s2", "bodies", "interfaces", "laws", "support", "damping", "excitation"];
+
+/// Pointer to the support, which is rigid for certain where its tolerance is zero.
+const SUPPORT: &str = "/support";
 
 /// A number of the scenario that the identified law depends on and that no parameter changes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -67,6 +71,8 @@ pub(super) struct GivenNumbers {
     pub(super) deviation: Vec<f64>,
     /// Change of ln K for a compliance below the stack \[N/m\], and its pressure \[Pa\], under a rigid support.
     in_series: Option<(f64, f64)>,
+    /// True if the problem states that the support is rigid.
+    rigid_is_stated: bool,
 }
 
 /// The assumption of a rigid support.
@@ -81,6 +87,8 @@ pub struct RigidSupport {
     pub half_space_n_per_m: f64,
     /// Change of ln K with a support of that stiffness.
     pub half_space_shift: f64,
+    /// True if the problem states that the support is rigid: a tolerance of zero of `/support`.
+    pub is_stated: bool,
 }
 
 impl GivenNumbers {
@@ -93,7 +101,8 @@ impl GivenNumbers {
         best: &[f64],
     ) -> Result<Self, IdentificationError> {
         let numbers = given(forward);
-        for spec in &problem.spec.given {
+        let is_rigid = |spec: &GivenSpec| spec.pointer == SUPPORT && spec.relative == 0.0;
+        for spec in problem.spec.given.iter().filter(|spec| !is_rigid(spec)) {
             if !numbers.iter().any(|(pointer, _)| *pointer == spec.pointer) {
                 let known: Vec<&str> =
                     numbers.iter().map(|(pointer, _)| pointer.as_str()).collect();
@@ -104,7 +113,8 @@ impl GivenNumbers {
         let gradients = forward.log_stiffness_gradients(&law.name, &law.pressure, best)?;
         let place = reference(law);
         let deviation = vec![0.0; law.pressure.len()];
-        let mut found = Self { deviation, ..Self::default() };
+        let rigid_is_stated = problem.spec.given.iter().any(is_rigid);
+        let mut found = Self { deviation, rigid_is_stated, ..Self::default() };
         for (pointer, value) in numbers.into_iter().take(MOST_NUMBERS) {
             let [below, above] = [-STEP, STEP].map(|step| {
                 let moved = forward.with_scaled(&pointer, 1.0 + step);
@@ -165,6 +175,7 @@ impl GivenNumbers {
             pressure_pa,
             half_space_n_per_m,
             half_space_shift: slope / half_space_n_per_m,
+            is_stated: self.rigid_is_stated,
         })
     }
 

@@ -237,7 +237,7 @@ impl Identification {
     /// | sampler | R-hat above 1.02, less than a fifth of the draws effective | R-hat above 1.05, fewer than 100 effective, weights cut, draws that leave out a part of a profile |
     /// | best value outside its interval | | an interval with two ends, or the band where the data inform it |
     /// | starts | one alone reached the lowest cost | and the law does not agree; an optimum as good outside the intervals |
-    /// | rigid support | a half-space of steel in its place moves the law by more than the width of its band | |
+    /// | rigid support that is not stated | a half-space of steel in its place moves the law by more than the width of its band | |
     /// | compared laws | a constant stiffness is not rejected | another is the best, and the law is rejected |
     pub fn judgement(&self) -> Judgement {
         let mut reasons = Vec::new();
@@ -543,10 +543,10 @@ impl Identification {
     fn of_support(&self) -> Option<Reason> {
         let support = self.rigid_support.filter(|_| self.law.informed_range().is_some())?;
         let half_widths = support.stiffness_n_per_m / support.half_space_n_per_m;
-        let usability =
-            if half_widths > SUPPORT_WIDTHS { Usability::WithCare } else { Usability::Yes };
+        let needs_care = half_widths > SUPPORT_WIDTHS && !support.is_stated;
+        let usability = if needs_care { Usability::WithCare } else { Usability::Yes };
         let words = format!(
-            "the support is taken as rigid, which the data hardly test: a half-space of steel under the lowest contact has {} N/m and would move the stiffness at {} MPa by {:.2} %, {:.1} times half of the width of its band; a support of less than {} N/m by more than that half. A support \"spring_mass\" in the scenario, with its stiffness, takes it into account.",
+            "the support is taken as rigid, which the data hardly test: a half-space of steel under the lowest contact has {} N/m and would move the stiffness at {} MPa by {:.2} %, {:.1} times half of the width of its band; a support of less than {} N/m by more than that half. A support \"spring_mass\" in the scenario, with its stiffness, takes it into account; a tolerance of 0 of \"/support\" in \"given\" states that it is rigid.",
             four_digits(support.half_space_n_per_m),
             four_digits(1e-6 * support.pressure_pa),
             100.0 * support.half_space_shift,

@@ -87,7 +87,8 @@ pub struct ProblemSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GivenSpec {
-    /// JSON Pointer to the number, such as `/bodies/0/mass_kg`.
+    /// JSON Pointer to the number, such as `/bodies/0/mass_kg`; `/support` with zero states that the support is
+    /// rigid.
     #[schemars(length(min = 1))]
     pub pointer: String,
     /// Standard deviation over the value; zero for an exact number.

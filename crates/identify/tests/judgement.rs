@@ -283,6 +283,10 @@ fn a_support_taken_as_rigid_needs_care_where_a_usual_one_moves_the_law() {
     let widths = support.stiffness_n_per_m / support.half_space_n_per_m;
     assert!(widths > 2.0, "{widths}");
     assert_eq!(use_of(&rigid), Some(Usability::WithCare));
+    let stated = [exact.clone(), vec![json!({"pointer": "/support", "relative": 0})]].concat();
+    let stated = found(json!({"kind": "rigid"}), &stated);
+    assert_eq!(use_of(&stated), Some(Usability::Yes));
+    assert!(stated.rigid_support.unwrap().is_stated);
     let band = &rigid.law;
     let place = band.pressure.iter().position(|p| *p == support.pressure_pa).unwrap();
     let half_width = 0.5 * (band.upper[place] / band.lower[place]).ln();

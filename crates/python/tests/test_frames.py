@@ -153,6 +153,6 @@ def test_paths_that_lead_nowhere_are_missing_files(tmp_path: Path) -> None:
             with pytest.raises(FileNotFoundError, match="npy"):
                 function(path)
     with pytest.raises(FileNotFoundError, match="none"):
-        SCENARIO.modes().figure.save(tmp_path / "none" / "modes.svg")
+        SCENARIO.simulate().history_figure.save(tmp_path / "none" / "modes.svg")
     with pytest.raises(FileNotFoundError, match="none"):
         asperity.write(tmp_path / "none" / "x.npz", [np.ones(3)], sample_rate_hz=1.0)

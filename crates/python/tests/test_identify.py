@@ -58,6 +58,7 @@ def problem() -> dict[str, Any]:
             {"kind": "scalar", "pointer": "/laws/pl/exponent", "bounds": [0.05, 0.9]},
         ],
         "data": [{"kind": "hits", "hits": hits}],
+        "given": [{"pointer": "/support", "relative": 0}],
         "pressures_pa": [5e4, 3e5],
         "starts": 1,
         "draws": 100,

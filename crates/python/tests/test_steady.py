@@ -88,6 +88,7 @@ def test_modes_equal_those_of_the_command(
     found = asperity.modes(RIG, 5)
     assert without_times(found.summary) == without_times(answer)
     assert_same_columns(found.shapes, out / "modes.csv")
+    assert found.figure is not None
     assert found.figure.svg() == (out / "modes.svg").read_text(encoding="utf-8")
     assert found.table["frequency_hz"].tolist() == [m["frequency_hz"] for m in answer["modes"]]
 

@@ -66,8 +66,10 @@ def write_matrices(
     rows = np.asarray(dof)
     if rows.ndim != 2 or rows.shape[1] != 2 or not np.issubdtype(rows.dtype, np.integer):
         raise ValueError("dof has a row of two integers, node and direction, for each row of the matrices")
-    arrays = {label: _compressed(one, label, len(rows)) for label, one in
-              (("stiffness", stiffness), ("mass", mass))}
+    arrays = {
+        label: _compressed(one, label, len(rows))
+        for label, one in (("stiffness", stiffness), ("mass", mass))
+    }
     base = Path(folder).absolute()
     paths = {label: base / f"{name}-{label}.npz" for label in arrays}
     listed = base / f"{name}.dof"
@@ -77,7 +79,8 @@ def write_matrices(
                 raise FileExistsError(f"{path} exists; overwrite=True replaces it")
     base.mkdir(parents=True, exist_ok=True)
     for label, parts in arrays.items():
-        np.savez_compressed(paths[label], **parts)
+        save: Any = np.savez_compressed
+        save(paths[label], **parts)
     text = "".join(f"{node}.{direction}\n" for node, direction in rows.tolist())
     listed.write_text(text, encoding="ascii")
     return {
