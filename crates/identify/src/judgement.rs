@@ -117,9 +117,9 @@ const AS_GOOD: f64 = 4.0;
 /// Least share of a number of the law in an undetermined combination.
 const LEAST_SHARE: f64 = 0.1;
 
-/// Half widths of its band by which a support of usual stiffness may move a law before care is needed: from
-/// there on no place in the band holds what was inside of it.
-const SUPPORT_WIDTHS: f64 = 2.0;
+/// Half widths of its band by which a half-space of steel may move a law before care is needed: beyond this even a
+/// support five times as stiff moves the law out of its band.
+const SUPPORT_WIDTHS: f64 = 5.0;
 
 /// p-value of a smaller chi-square below which the standard deviations are too large.
 const TOO_GOOD: f64 = 1e-6;
@@ -237,7 +237,7 @@ impl Identification {
     /// | sampler | R-hat above 1.02, less than a fifth of the draws effective | R-hat above 1.05, fewer than 100 effective, weights cut, draws that leave out a part of a profile |
     /// | best value outside its interval | | an interval with two ends, or the band where the data inform it |
     /// | starts | one alone reached the lowest cost | and the law does not agree; an optimum as good outside the intervals |
-    /// | rigid support that is not stated | a half-space of steel in its place moves the law by more than the width of its band | |
+    /// | rigid support that is not stated | a half-space of steel in its place moves the law by more than five half widths of its band | |
     /// | compared laws | a constant stiffness is not rejected | another is the best, and the law is rejected |
     pub fn judgement(&self) -> Judgement {
         let mut reasons = Vec::new();
