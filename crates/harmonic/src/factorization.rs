@@ -5,7 +5,7 @@ use faer::{Conj, MatMut, MatRef};
 
 use crate::vector_instructions::vectorised;
 
-/// Rows from which on a blocked factorisation is faster: twice at 400 rows, fourfold at 1000.
+/// Rows from which on the factorisation is a blocked one.
 const BLOCKED: usize = 200;
 
 /// A square matrix by rows and its factors in place.
