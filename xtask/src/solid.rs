@@ -207,7 +207,7 @@ impl Solid {
             for (y, wy) in line {
                 for (z, wz) in line {
                     let (values, slopes) = shape([x, y, z]);
-                    // The elements are boxes: the axes of the element are those of space.
+                    // The elements are boxes: the axes of the element are the axes of space.
                     let mut half = [0.0; 3];
                     for (axis, half) in half.iter_mut().enumerate() {
                         let along = |corner: usize| self.nodes[element[corner]][axis];
@@ -274,7 +274,7 @@ mod tests {
 
     const STEEL: Material = Material { youngs_modulus: 2e11, poisson: 0.3, density: 7800.0 };
 
-    /// Uniform strains have their exact energy, rigid motions none, and the mass is that of the block.
+    /// Uniform strains have their exact energy, rigid motions none, and the mass is the block's.
     #[test]
     fn elements_pass_the_patch_test() {
         let lines = [vec![0.0, 0.01, 0.03], vec![0.0, 0.02], vec![0.0, 0.005, 0.02]];
@@ -305,7 +305,7 @@ mod tests {
         }
     }
 
-    /// Functions are one at their node, and derivatives are those of differences.
+    /// Functions are one at their node, and derivatives agree with differences.
     #[test]
     fn shape_functions_interpolate() {
         for (node, place) in NODES.iter().enumerate() {

@@ -11,7 +11,7 @@ const BLOCKED: usize = 200;
 /// A square matrix by rows and its factors in place.
 ///
 /// Newton's matrices of a stack have tens of rows: contiguous rows and no call overhead beat a blocked
-/// factorisation, which those of structures with many contacts have. Rows are exchanged for the largest
+/// factorisation, which matrices of structures with many contacts have. Rows are exchanged for the largest
 /// pivot.
 #[derive(Debug, Clone)]
 pub(crate) struct Factorization {
@@ -175,7 +175,7 @@ mod tests {
         }
     }
 
-    /// The sign of a permuted and scaled unit matrix, whose sign is that of the permutation.
+    /// The sign of a permuted and scaled unit matrix, which is the permutation's.
     #[test]
     fn signs_of_large_determinants() {
         let n = BLOCKED;

@@ -104,7 +104,7 @@ pub fn trace(
 struct Limits {
     /// Truncation beyond which more harmonics are to be taken: the branch ends.
     truncation: f64,
-    /// Number of points, beside that of the settings.
+    /// Number of points, beside the settings' number.
     points: usize,
 }
 

@@ -181,7 +181,7 @@ fn of_other_program(run: &asperity_simulation::run::Run) -> Record {
 }
 
 /// The peaks of the receptance of a hit on the paper's rig, from lines 2 to 17 Hz apart that are known to 0.2 %
-/// of the peak, agree with those of the run within three standard deviations.
+/// of the peak, agree with the run's within three standard deviations.
 #[test]
 fn peaks_of_a_sampled_receptance_are_those_of_the_run() {
     let mut document = Document::read(SCENARIO).unwrap();

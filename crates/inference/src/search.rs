@@ -401,7 +401,7 @@ impl Search {
 
     /// Fall of the cost to a point. An observation with a prediction at one of the two points alone counts as
     /// no better where it has none: otherwise a search stays where predictions are missing, since their
-    /// residual is less than those of a poor fit.
+    /// residual is less than residuals of a poor fit.
     fn fall(
         &self,
         problem: &FitProblem<'_>,

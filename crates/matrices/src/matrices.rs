@@ -207,7 +207,7 @@ impl Matrices {
     }
 
     /// Degrees of freedom whose rows were removed, ascending: those that the file marks as held, by diagonals of 1e36 or
-    /// more, which Abaqus writes for boundary conditions, and those of [`Self::hold`].
+    /// more, which Abaqus writes for boundary conditions, and rows of [`Self::hold`].
     pub fn held(&self) -> &[Dof] {
         &self.held
     }

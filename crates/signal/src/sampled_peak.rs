@@ -25,7 +25,7 @@ const FEWEST_LINES: usize = 9;
 const MOST_REPETITIONS: usize = 30;
 const SETTLED: f64 = 1e-13;
 
-/// Largest magnitude of a peak between lines over that of the highest line: lines a half-power width apart have
+/// Largest magnitude of a peak between lines over the magnitude of the highest line: lines a half-power width apart have
 /// the square root of two.
 const MOST_RISE: f64 = 1.5;
 
@@ -183,7 +183,7 @@ fn around(lines: &[Line], top: usize) -> &[Line] {
     &lines[start..end]
 }
 
-/// The scaled coordinates of lines: frequencies about that of the highest line, values over its magnitude.
+/// The scaled coordinates of lines: frequencies about the highest line's, values over its magnitude.
 struct Scale {
     middle: f64,
     span: f64,

@@ -423,7 +423,7 @@ fn steady_request(amplitude: f64) -> SteadyRequest {
     }
 }
 
-/// Steady responses of bars given as matrices: those of the bars' own modes, and time integration's.
+/// Steady responses of bars given as matrices agree with the bars' own modes, and with time integration.
 #[test]
 fn bars_given_as_matrices_vibrate_as_bars() {
     let folder = tempfile::tempdir().unwrap();

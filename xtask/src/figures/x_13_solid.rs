@@ -24,7 +24,7 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
               hexahedra, with 32 contact cells on a quarter of it (orange); and bars with the local \
               compliance of the patch on the wide guide bar in series with the upper contact (green). (a) \
               Fundamental, (b) its amplitude and (c) A2/A1 against force. The table has the natural \
-              frequencies at rest, the compliance that brings the bars to the solid, and that of a stiff \
+              frequencies at rest, the compliance that brings the bars to the solid, and the compliance of a stiff \
               square on a half space.",
     compute,
     draw,

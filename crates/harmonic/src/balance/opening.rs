@@ -30,7 +30,7 @@ const NEWTON: usize = 4;
 /// ```
 ///
 /// the sum over equal t converges fast, because the integrand vanishes at both ends with the weight
-/// `L (1 - cos(2 pi t))`. A contact that hardly holds, with the closure `v + b th^2 / 2` beyond that of zero
+/// `L (1 - cos(2 pi t))`. A contact that hardly holds, with the closure `v + b th^2 / 2` beyond the closure of zero
 /// pressure at its minimum, has a force singular at `th = i sqrt(2 v / b)`: where that is near, a piece ends
 /// at the minimum, so that the sums change smoothly as the contact begins to open. Source: A. Sidi, "A new variable transformation for numerical integration",
 /// Numerical Integration IV (1993) 359-373.

@@ -259,7 +259,7 @@ impl VariationalEquation {
             let pivot = self.matrix[column * width + column];
             let (above, rest) = self.matrix.split_at_mut(column * width);
             let (own, below) = rest.split_at_mut(width);
-            // Columns beyond that of the unit matrix in this row are zero.
+            // Columns beyond the unit matrix's one in this row are zero.
             let used = column..n + column + 1;
             own[used.clone()].iter_mut().for_each(|entry| *entry /= pivot);
             for row in above.chunks_exact_mut(width).chain(below.chunks_exact_mut(width)) {
