@@ -348,10 +348,13 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// The circle x^2 + l^2 = 1, whose folds are at l = -1 and 1.
-    struct Circle;
+    /// A curve in x and l by its equation and the derivatives with respect to both.
+    struct PlaneCurve {
+        equation: fn(f64, f64) -> f64,
+        derivatives: fn(f64, f64) -> [f64; 2],
+    }
 
-    impl Curve for Circle {
+    impl Curve for PlaneCurve {
         fn size(&self) -> usize {
             1
         }
@@ -365,16 +368,21 @@ mod tests {
             Ok(())
         }
         fn residual(&mut self, v: &[f64], out: &mut [f64]) {
-            out[0] = v[0] * v[0] + v[1] * v[1] - 1.0;
+            out[0] = (self.equation)(v[0], v[1]);
         }
         fn jacobian(&mut self, v: &[f64], _: &mut [f64], out: &mut [f64]) {
-            out[..2].copy_from_slice(&[2.0 * v[0], 2.0 * v[1]]);
+            out[..2].copy_from_slice(&(self.derivatives)(v[0], v[1]));
         }
     }
 
+    /// The circle x^2 + l^2 = 1, whose folds are at l = -1 and 1.
     #[test]
     fn a_circle_is_followed_around_and_its_folds_located() {
-        let mut arc = ArcLength::new(Circle, StepControl::default());
+        let circle = PlaneCurve {
+            equation: |x, l| x * x + l * l - 1.0,
+            derivatives: |x, l| [2.0 * x, 2.0 * l],
+        };
+        let mut arc = ArcLength::new(circle, StepControl::default());
         let mut point = arc.solve_at(&[0.9, 0.0], 1.0).unwrap();
         assert!((point.unknowns[0] - 1.0).abs() < 1e-12);
         let (mut folds, mut length) = (Vec::new(), 0.0);
@@ -394,33 +402,14 @@ mod tests {
     }
 
     /// `x = 0.015 tanh(l / 0.01)`: a step of the curve that a step of the continuation could miss.
-    struct Edge;
-
-    impl Curve for Edge {
-        fn size(&self) -> usize {
-            1
-        }
-        fn has_kinks(&self) -> bool {
-            false
-        }
-        fn weight(&self, _: &[f64]) -> f64 {
-            1.0
-        }
-        fn evaluate(&mut self, _: &[f64]) -> Result<(), Overflow> {
-            Ok(())
-        }
-        fn residual(&mut self, v: &[f64], out: &mut [f64]) {
-            out[0] = v[0] - 0.015 * (v[1] / 0.01).tanh();
-        }
-        fn jacobian(&mut self, v: &[f64], _: &mut [f64], out: &mut [f64]) {
-            out[..2].copy_from_slice(&[1.0, -1.5 / (v[1] / 0.01).cosh().powi(2)]);
-        }
-    }
-
     #[test]
     fn a_step_does_not_pass_over_what_lies_between() {
         for start in [-0.5, -0.52, -0.54, -0.56, -0.58] {
-            let mut arc = ArcLength::new(Edge, StepControl::default());
+            let edge = PlaneCurve {
+                equation: |x, l| x - 0.015 * (l / 0.01).tanh(),
+                derivatives: |_, l| [1.0, -1.5 / (l / 0.01).cosh().powi(2)],
+            };
+            let mut arc = ArcLength::new(edge, StepControl::default());
             let mut point = arc.solve_at(&[0.0, start], 1.0).unwrap();
             let mut inside = 0;
             while point.unknowns[1] < 0.2 {

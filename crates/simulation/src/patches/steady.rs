@@ -53,9 +53,9 @@ impl Shaken for PatchStructure {
         assembly: &Assembly<Self>,
         response: &PeriodicResponse,
     ) -> Result<TimeCheck, SimulationError> {
-        let integration = Integration::new(assembly)?;
         let frequency = response.frequency_hz();
-        let parts = integration.parts(SAMPLES as f64 * frequency);
+        let integration = Integration::new(assembly, frequency)?;
+        let parts = integration.parts();
         let periods = periods_to_decay_at(integration.decay_rate(), frequency);
         let settled = |parts: usize| {
             let integrate = |load: &LoadCase, sampling: &Sampling| {
@@ -73,8 +73,7 @@ impl Shaken for PatchStructure {
         range: (f64, f64),
         request: TimeSweepRequest,
     ) -> Result<Vec<TimeSweep>, SimulationError> {
-        let mut integration = Integration::new(assembly)?;
-        integration.sample_rate = SAMPLES as f64 * range.0.max(range.1);
+        let integration = Integration::new(assembly, range.0.max(range.1))?;
         Ok(sweeps_by(&integration, amplitudes, range, request)?)
     }
 }
@@ -83,19 +82,21 @@ impl Shaken for PatchStructure {
 struct Integration<'a> {
     assembly: &'a Assembly<PatchStructure>,
     system: ManyContacts,
+    /// Rate of the samples \[Hz\].
     sample_rate: f64,
 }
 
 impl<'a> Integration<'a> {
-    fn new(assembly: &'a Assembly<PatchStructure>) -> Result<Self, SimulationError> {
+    /// The integration under forces up to the frequency `highest` \[Hz\].
+    fn new(assembly: &'a Assembly<PatchStructure>, highest: f64) -> Result<Self, SimulationError> {
         let system = system(assembly, Arc::clone(&assembly.structure.structure))?;
-        Ok(Self { assembly, system, sample_rate: f64::NAN })
+        Ok(Self { assembly, system, sample_rate: SAMPLES as f64 * highest })
     }
 
-    /// Steps between samples at this rate \[Hz\].
-    fn parts(&self, sample_rate: f64) -> usize {
+    /// Steps between samples.
+    fn parts(&self) -> usize {
         let natural = self.assembly.structure.structure.natural_frequency().unwrap_or(0.0);
-        ((STEPS_IN_PERIOD * natural / sample_rate).ceil() as usize).max(LEAST_PARTS)
+        ((STEPS_IN_PERIOD * natural / self.sample_rate).ceil() as usize).max(LEAST_PARTS)
     }
 }
 
@@ -114,8 +115,7 @@ impl SequenceRunner for Integration<'_> {
         let run = |(sequence, force_n): &(SteppedSine, f64)| {
             let sampling = Sampling::new(sequence.end(), self.sample_rate)?;
             let load = LoadCase::force(TimeFunction::SteppedSine(sequence.clone()), *force_n);
-            let mut found =
-                self.system.integrate(&load, &sampling, self.parts(self.sample_rate))?;
+            let mut found = self.system.integrate(&load, &sampling, self.parts())?;
             Ok((found.history.sensors.remove(0).displacement, sampling.interval()))
         };
         sequences.iter().map(run).collect()
