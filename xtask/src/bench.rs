@@ -5,7 +5,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
-use crate::ci::cargo;
+use crate::workspace::cargo;
 
 /// Runs of the sweep that is timed.
 const RUNS: usize = 100_000;

@@ -92,7 +92,7 @@ const STEADY_EVERY: u64 = 4;
 
 /// Carries out the task; true if no answer is silently wrong.
 pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
-    let root = crate::workspace_root();
+    let root = crate::workspace::workspace_root();
     let folder = root.join("target/campaign");
     std::fs::create_dir_all(&folder).with_context(|| format!("creating {}", folder.display()))?;
     let started = Instant::now();

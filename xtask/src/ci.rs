@@ -4,12 +4,12 @@
 //! time. The first failure ends the run.
 
 use std::io::Write;
-use std::process::Command;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
 
-use crate::{package, python, tidy, workspace_root};
+use crate::workspace::cargo;
+use crate::{package, python, tidy};
 
 /// Steps of the inner loop, as arguments of cargo.
 const QUICK: [(&str, &str); 4] = [
@@ -66,13 +66,6 @@ fn run_cargo(step: &str, arguments: &str) -> Result<bool> {
     }
     let status = command.status().with_context(|| format!("cannot run cargo {arguments}"))?;
     Ok(status.success())
-}
-
-/// The cargo that runs this task, or else the one on the path, at the root of the workspace.
-pub(crate) fn cargo(arguments: &[&str]) -> Command {
-    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.args(arguments).current_dir(workspace_root());
-    command
 }
 
 fn run_steps(

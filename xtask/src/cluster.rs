@@ -43,7 +43,7 @@ pub(crate) fn run() -> Result<bool> {
             missing.join(", ")
         );
     }
-    let root = crate::workspace_root();
+    let root = crate::workspace::workspace_root();
     let built =
         Command::new(env!("CARGO")).args(["build", "--package", "asperity-cli"]).status()?;
     ensure!(built.success(), "the command is not built");

@@ -30,7 +30,7 @@ mod x_7_second_path;
 mod x_8_identified_law;
 mod x_9_dissipation;
 
-use crate::reproduce::PaperFigure;
+use crate::reproduce::paper_figure::PaperFigure;
 
 /// Every figure, in the order of the paper, then what it could not show.
 pub(crate) const FIGURES: &[&PaperFigure] = &[

@@ -10,7 +10,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 
-use crate::ci::cargo;
+use crate::workspace::cargo;
 
 /// Flags of the compiler: coverage counters, comparisons, `AddressSanitizer`, all checks.
 const FLAGS: &str = "--cfg fuzzing -Cpasses=sancov-module \
@@ -63,7 +63,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     if let Some(unknown) = arguments.targets.iter().find(|name| !known.contains(&name.as_str())) {
         bail!("there is no target \"{unknown}\"; accepted: {}", known.join(", "));
     }
-    let root = std::path::absolute(crate::workspace_root())?;
+    let root = std::path::absolute(crate::workspace::workspace_root())?;
     let programs = build(&root)?;
     let mut failed = Vec::new();
     for target in &TARGETS {

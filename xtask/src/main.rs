@@ -24,8 +24,8 @@ mod python;
 mod reproduce;
 mod solid;
 mod tidy;
+mod workspace;
 
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -63,13 +63,6 @@ enum Task {
     Cluster,
     /// Recompute every figure of the paper and check every claim.
     Reproduce(reproduce::Arguments),
-}
-
-/// The root of the checkout that this program runs in: cargo names the folder of xtask when it
-/// runs it. Without cargo it is the current folder.
-pub(crate) fn workspace_root() -> PathBuf {
-    let own = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
-    own.as_deref().and_then(Path::parent).map_or_else(|| PathBuf::from("."), Path::to_owned)
 }
 
 fn main() -> ExitCode {

@@ -11,8 +11,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use flate2::read::GzDecoder;
 
-use crate::ci::cargo;
-use crate::workspace_root;
+use crate::workspace::{cargo, workspace_root};
 
 /// Packs all packages and checks libraries, commands and examples from the archives; true if all
 /// compile.

@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
 
-use crate::workspace_root;
+use crate::workspace::workspace_root;
 
 /// Interpreters to look for, after the one that the variable PYTHON names.
 const INTERPRETERS: [&str; 2] = ["python3", "python"];

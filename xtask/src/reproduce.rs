@@ -1,6 +1,6 @@
 //! `cargo xtask reproduce`: every figure of the paper, every claim checked.
 //!
-//! Each figure is one file under `figures/` and one constant, [`PaperFigure`]:
+//! Each figure is one file under `figures/` and one constant, a [`PaperFigure`]:
 //! it computes a table and the numbers that the claims ask for, and draws from
 //! the table alone. The results go to `target/reproduce/`, a CSV, an SVG and a
 //! PNG for each figure, and a report in HTML and Markdown, and replace those of the
@@ -9,11 +9,13 @@
 //! | module | does |
 //! |---|---|
 //! | [`rig`] | the paper's rig from the fixtures, and its runs, each computed once |
+//! | [`paper_figure`] | one figure: its table and its numbers |
 //! | [`claims`] | statements of the paper and their outcomes |
 //! | [`references`] | the stored tables that `--check` compares with |
 //! | [`report`] | `report.html` and `report.md` |
 
 pub(crate) mod claims;
+pub(crate) mod paper_figure;
 mod references;
 mod report;
 pub(crate) mod rig;
@@ -25,12 +27,12 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use asperity_figure::svg_to_png;
 use asperity_simulation::output::{OutputFolder, OutputRequest};
-use asperity_table::Table;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::figures::FIGURES;
 use claims::{CheckedClaim, Verdict};
+use paper_figure::{Finished, PaperFigure};
 use rig::Rig;
 
 /// Resolution of the PNG files, in pixels per millimetre: 300 dots per inch.
@@ -53,61 +55,10 @@ pub(crate) struct Arguments {
     bless: bool,
 }
 
-/// One figure of the paper.
-pub(crate) struct PaperFigure {
-    /// Short name: file name, and what `--only` takes.
-    pub(crate) id: &'static str,
-    /// Title in the report.
-    pub(crate) title: &'static str,
-    /// Content of the figure, its computation, and data that the paper does not publish.
-    pub(crate) caption: &'static str,
-    /// Computes the table, and the numbers behind the claims by claim id.
-    pub(crate) compute: fn(&Rig) -> Result<Computed>,
-    /// Draws the table as SVG.
-    pub(crate) draw: fn(&Table) -> Result<String>,
-}
-
-/// Result of a figure.
-pub(crate) struct Computed {
-    /// The figure's numbers: its CSV, and all that the drawing reads.
-    pub(crate) table: Table,
-    /// The number behind each claim that this figure settles.
-    pub(crate) values: Vec<(&'static str, f64)>,
-}
-
-/// Columns of a table to be.
-#[derive(Default)]
-pub(crate) struct Columns(Vec<(String, Vec<f64>)>);
-
-impl Columns {
-    /// Adds a column.
-    pub(crate) fn push(&mut self, name: impl Into<String>, values: impl Into<Vec<f64>>) {
-        self.0.push((name.into(), values.into()));
-    }
-
-    /// The result of a figure without claims. Columns shorter than the longest end in NaN.
-    pub(crate) fn computed(self) -> Result<Computed> {
-        let rows = self.0.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
-        let mut table = Table::new();
-        for (name, mut values) in self.0 {
-            values.resize(rows, f64::NAN);
-            table.push(name, values)?;
-        }
-        Ok(Computed { table, values: Vec::new() })
-    }
-}
-
-/// A figure, done.
-pub(crate) struct Finished {
-    pub(crate) figure: &'static PaperFigure,
-    pub(crate) table: Table,
-    pub(crate) svg: String,
-}
-
 /// Carries out the task; whether everything asked of it held.
 pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     let started = Instant::now();
-    let root = crate::workspace_root();
+    let root = crate::workspace::workspace_root();
     let chosen = choose(&arguments.only)?;
     let folder = root.join("target/reproduce");
     let claims_file = root.join("fixtures/paper/claims.json");

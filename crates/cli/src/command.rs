@@ -12,6 +12,7 @@ pub(crate) mod man;
 pub(crate) mod modes;
 mod patches;
 pub(crate) mod schema;
+mod shown;
 pub(crate) mod simulate;
 pub(crate) mod steady;
 pub(crate) mod study;

@@ -3,7 +3,7 @@
 use asperity_signal::{AnalysedHit, HitFeatures, QualityIssue};
 use serde::Serialize;
 
-use crate::second_peak::{HitSecondPeak, name as name_of_origin};
+use crate::hit_second_peak::HitSecondPeak;
 
 /// Results of one hit.
 #[allow(clippy::struct_excessive_bools, reason = "each is a key of the file format")]
@@ -207,25 +207,6 @@ impl HitReport {
             self.harmonic_ratio = Some(peak.ratio);
             self.harmonic_ratio_uncertainty = peak.ratio_uncertainty;
         }
-    }
-}
-
-impl HitSecondPeak {
-    fn of(found: &HitFeatures) -> Option<Self> {
-        let peak = found.harmonics.second?;
-        let (sigma, test) = (found.second_uncertainty, found.harmonic_test);
-        Some(Self {
-            frequency_hz: peak.frequency_hz,
-            magnitude: peak.magnitude,
-            ratio: found.harmonics.ratio()?,
-            frequency_uncertainty_hz: sigma.map(|sigma| sigma.frequency_hz),
-            magnitude_uncertainty: sigma.map(|sigma| sigma.magnitude),
-            ratio_uncertainty: found.ratio_uncertainty,
-            phase_drift_rad: test.map(|test| test.phase_drift),
-            amplitude_exponent: test.map(|test| test.exponent),
-            decay_cycles: test.map(|test| test.cycles),
-            decay_origin: test.and_then(|test| test.origin()).map(name_of_origin),
-        })
     }
 }
 

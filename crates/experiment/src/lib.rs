@@ -88,6 +88,7 @@ mod force_level;
 mod frf_record;
 mod hit_analysis;
 mod hit_report;
+mod hit_second_peak;
 mod input_files;
 mod input_size;
 mod inspection;
@@ -123,6 +124,7 @@ pub use decay::{
 pub use error::AnalysisError;
 pub use force_level::ForceLevel;
 pub use hit_report::{HitFundamental, HitReport, HitSecondHarmonic, HitStatistics};
+pub use hit_second_peak::HitSecondPeak;
 pub use input_files::input_files;
 pub use input_size::{MAX_ANALYSED_BYTES, MAX_CONVERTED_BYTES};
 pub use inspection::{Choice, INSPECTION_SCHEMA, InspectedChannel, Inspection, inspect};
@@ -140,6 +142,6 @@ pub use report::{
 pub use rig::{
     RigChannel, RigEstimator, RigFault, RigInvalidCells, RigSampleAxis, RigSchemaId, RigSettings,
 };
-pub use second_peak::{HitSecondPeak, SecondPeakReport};
+pub use second_peak::SecondPeakReport;
 pub use stream::{AnalysedFile, UsedChannel};
 pub use watched_folder::{CompleteFile, WatchedFolder};

@@ -4,6 +4,7 @@ use asperity_signal::PeakOrigin;
 use serde::Serialize;
 
 use crate::hit_report::HitReport;
+use crate::hit_second_peak::{HitSecondPeak, name};
 
 /// Fewest hits, and least ratio of their forces, for a test by force.
 const FEWEST_HITS: usize = 4;
@@ -12,32 +13,6 @@ const FORCE_RATIO: f64 = 1.5;
 const BETWEEN: f64 = 0.4;
 /// Part of the decays that must agree.
 const MAJORITY: f64 = 0.75;
-
-/// Peak near twice the fundamental of one hit, before it is known what it is.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct HitSecondPeak {
-    /// Frequency f2 \[Hz\].
-    pub frequency_hz: f64,
-    /// Receptance A2 \[m/N\].
-    pub magnitude: f64,
-    /// Ratio of receptances A2/A1.
-    pub ratio: f64,
-    /// Standard deviation of the frequency due to noise \[Hz\].
-    pub frequency_uncertainty_hz: Option<f64>,
-    /// Standard deviation of the receptance due to noise \[m/N\].
-    pub magnitude_uncertainty: Option<f64>,
-    /// Standard deviation of the ratio due to noise.
-    pub ratio_uncertainty: Option<f64>,
-    /// Drift of its phase, less twice that of the fundamental, over the decay \[rad\]; `None` where
-    /// the decay is noise.
-    pub phase_drift_rad: Option<f64>,
-    /// Exponent `d ln a2 / d ln a1` of its amplitude along the decay.
-    pub amplitude_exponent: Option<f64>,
-    /// Length of that decay in cycles of the fundamental.
-    pub decay_cycles: Option<f64>,
-    /// Origin told by the decay of this hit: `harmonic` or `mode`.
-    pub decay_origin: Option<&'static str>,
-}
 
 /// Origin of the peaks near twice the fundamental of a test.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -175,14 +150,6 @@ impl ForceExponent {
         } else {
             None
         }
-    }
-}
-
-/// Name of an origin in a document.
-pub(crate) fn name(origin: PeakOrigin) -> &'static str {
-    match origin {
-        PeakOrigin::Harmonic => "harmonic",
-        _ => "mode",
     }
 }
 

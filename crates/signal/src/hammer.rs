@@ -3,11 +3,14 @@
 mod band_modes;
 mod features;
 mod harmonic_origin;
+mod hit_noise;
+mod mode_features;
 mod mode_uncertainty;
 
 pub use band_modes::BandMode;
-pub use features::{FundamentalSearch, HitFeatures, ModeFeatures};
+pub use features::{FundamentalSearch, HitFeatures};
 pub use harmonic_origin::{HarmonicTest, PeakOrigin};
+pub use mode_features::ModeFeatures;
 pub use mode_uncertainty::ModeUncertainty;
 
 use crate::average::FrfAverage;
@@ -17,9 +20,11 @@ use crate::form::ResponseKind;
 use crate::frf::Frf;
 use crate::harmonics::HarmonicOptions;
 use crate::hit::{
-    HitLength, HitOptions, HitRecord, Offset, Pulse, QualityIssue, QualityOptions, Trigger,
-    find_hits, issues_with_force,
+    HitLength, HitOptions, HitRecord, QualityIssue, QualityOptions, Trigger, find_hits,
+    issues_with_force,
 };
+use crate::offset::Offset;
+use crate::pulse::Pulse;
 use crate::uncertainty::NoiseDensity;
 use crate::window::{ExponentialWindow, ForceWindow, ResponseWindow};
 
@@ -244,7 +249,7 @@ pub fn analyse_hit(
     }
     let resonance_hz = resonance(&hit, options);
     let mut noise = resonance_hz.map_or_else(NoiseDensity::default, |frequency| {
-        features::noise_density(&hit.force, &measured, rate, frequency, options)
+        hit_noise::noise_density(&hit.force, &measured, rate, frequency, options)
     });
     apply_windows(&mut hit, &pulse, &mut noise, options);
     let Ok(unwindowed) = hit.response(0, options.response_kind) else {

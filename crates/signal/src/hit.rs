@@ -1,17 +1,13 @@
-//! Hits in a record: detection, samples, force pulse, sensor offset, quality.
+//! Hits in a record: detection, samples, quality.
 
 mod double;
 mod fault;
 mod finder;
-mod offset;
-mod pulse;
 mod quality;
 mod trigger;
 
 pub use double::{DoubleHit, double_hits};
 pub use finder::{HitFinder, find_hits};
-pub use offset::{Offset, OffsetSource};
-pub use pulse::Pulse;
 pub use quality::{HitChannel, QualityIssue, QualityOptions, quality_issues};
 pub use trigger::{HitLength, HitOptions, Trigger, TriggerLevel};
 

@@ -83,8 +83,10 @@ mod high_pass;
 mod hit;
 mod interpolation;
 mod noise;
+mod offset;
 mod peak;
 mod peak_sensitivity;
+mod pulse;
 mod receptance_features;
 mod response;
 mod ring_down;
@@ -123,14 +125,15 @@ pub use hammer::{
 pub use harmonics::{HarmonicOptions, Harmonics, SECOND_HARMONIC_WINDOW, find_harmonics};
 pub use high_pass::HighPass;
 pub use hit::{
-    DoubleHit, HitChannel, HitFinder, HitLength, HitOptions, HitRecord, Offset, OffsetSource,
-    Pulse, QualityIssue, QualityOptions, Trigger, TriggerLevel, double_hits, find_hits,
-    quality_issues,
+    DoubleHit, HitChannel, HitFinder, HitLength, HitOptions, HitRecord, QualityIssue,
+    QualityOptions, Trigger, TriggerLevel, double_hits, find_hits, quality_issues,
 };
 pub use noise::{RobustLevel, band_density, quiet_density, robust_level, white_density};
 pub use num_complex::Complex64;
+pub use offset::{Offset, OffsetSource};
 pub use peak::Peak;
 pub use peak_sensitivity::{PeakDerivative, PeakSensitivity};
+pub use pulse::Pulse;
 pub use receptance_features::ReceptanceFeatures;
 pub use response::FrequencyResponse;
 pub use ring_down::{

@@ -7,7 +7,8 @@ pub use response_window::ResponseWindow;
 
 use crate::error::{Result, check_positive};
 use crate::form::ResponseKind;
-use crate::hit::{Offset, Pulse};
+use crate::offset::Offset;
+use crate::pulse::Pulse;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 

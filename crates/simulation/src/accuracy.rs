@@ -16,9 +16,6 @@ use serde::Serialize;
 
 use crate::quantity::{Observable, Values};
 
-/// Relative accuracy of a run that asks for none.
-pub const DEFAULT_ACCURACY: f64 = 1e-3;
-
 /// Estimated errors of the observables of one response.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorEstimate {
@@ -147,6 +144,7 @@ impl ErrorEstimate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::assemble::DEFAULT_ACCURACY;
     use crate::run::simulate;
 
     use asperity_scenario::Document;

@@ -9,13 +9,15 @@ use asperity_structure::{
     LoadCase, PreloadedContact, PreloadedStructure, SampledFunction, SensorKind, StructureError,
 };
 
-use crate::accuracy::DEFAULT_ACCURACY;
 use crate::error::SimulationError;
 use crate::shared_laws::shared_law;
 use asperity_scenario::{
     BodySpec, ContactScheme, DampingSpec, ExcitationSpec, FrictionSpec, LoadSamples, MethodSpec,
     ModalSpec, SamplesFile, Scenario, SectionSpec, SensorSpec, SupportSpec,
 };
+
+/// Relative accuracy of a run that asks for none.
+pub const DEFAULT_ACCURACY: f64 = 1e-3;
 
 /// A scenario turned into the objects that compute.
 #[derive(Debug, Clone)]

@@ -10,8 +10,8 @@
 use asperity_dynamics::{FiniteDifference, Integrator, Transient};
 use tracing::info_span;
 
-use crate::accuracy::{DEFAULT_ACCURACY, ErrorEstimate};
-use crate::assemble::Assembly;
+use crate::accuracy::ErrorEstimate;
+use crate::assemble::{Assembly, DEFAULT_ACCURACY};
 use crate::error::SimulationError;
 use crate::error_control::{contact_is_lost, divergence_sample, perturbed};
 use crate::observables::Observables;

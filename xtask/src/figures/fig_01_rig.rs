@@ -6,8 +6,8 @@ use asperity_table::Table;
 
 use super::sketch::{Align, Sketch, Stroke};
 use super::style;
+use crate::reproduce::paper_figure::{Computed, PaperFigure};
 use crate::reproduce::rig::{Law, Rig};
-use crate::reproduce::{Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "fig01",

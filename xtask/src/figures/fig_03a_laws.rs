@@ -7,8 +7,8 @@ use asperity_table::Table;
 
 use super::levels::yes;
 use super::style;
+use crate::reproduce::paper_figure::{Columns, Computed, PaperFigure};
 use crate::reproduce::rig::{Law, Rig};
-use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "fig03a",

@@ -7,8 +7,8 @@ use asperity_table::Table;
 
 use super::levels::yes;
 use super::style;
+use crate::reproduce::paper_figure::{Computed, PaperFigure};
 use crate::reproduce::rig::{Law, Rig, response};
-use crate::reproduce::{Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "fig06",

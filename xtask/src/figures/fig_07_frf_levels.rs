@@ -6,8 +6,8 @@ use asperity_table::Table;
 
 use super::levels::{SECOND_HARMONIC, yes};
 use super::style;
+use crate::reproduce::paper_figure::{Computed, PaperFigure};
 use crate::reproduce::rig::{Law, Rig, levels, response};
-use crate::reproduce::{Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "fig07",

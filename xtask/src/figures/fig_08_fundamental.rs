@@ -5,8 +5,8 @@ use asperity_figure::{Axis, Legend};
 use asperity_table::Table;
 
 use super::levels::{self, FREQUENCY, SECOND_HARMONIC, Sweep, drop_percent, falls, yes};
+use crate::reproduce::paper_figure::{Computed, PaperFigure};
 use crate::reproduce::rig::Rig;
-use crate::reproduce::{Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "fig08",

@@ -6,8 +6,8 @@ use asperity_table::Table;
 
 use super::levels::{self, RECEPTANCE, Sweep, yes};
 use super::style::amplitude_axis;
+use crate::reproduce::paper_figure::{Computed, PaperFigure};
 use crate::reproduce::rig::Rig;
-use crate::reproduce::{Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "fig11",

@@ -6,8 +6,8 @@ use asperity_law::ContactLaw;
 use asperity_table::Table;
 
 use super::levels::{self, HARMONIC_RATIO, Sweep, rises, yes};
+use crate::reproduce::paper_figure::{Computed, PaperFigure};
 use crate::reproduce::rig::{Law, Rig};
-use crate::reproduce::{Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "fig12",

@@ -10,8 +10,8 @@ use asperity_study::spec::{DistributionSpec, StudyDesign};
 use asperity_table::Table;
 
 use super::style;
+use crate::reproduce::paper_figure::{Columns, Computed, PaperFigure};
 use crate::reproduce::rig::{Law, Rig};
-use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x10",
@@ -86,7 +86,7 @@ const OUTPUTS: [Output; 4] = [
 
 fn compute(rig: &Rig) -> Result<Computed> {
     let mut document =
-        Document::read(crate::workspace_root().join("fixtures/paper/sensitivity.json"))?;
+        Document::read(crate::workspace::workspace_root().join("fixtures/paper/sensitivity.json"))?;
     if rig.is_quick() {
         document.set("/design/base_rows", QUICK_BASE_ROWS)?;
     }

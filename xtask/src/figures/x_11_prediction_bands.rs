@@ -13,8 +13,8 @@ use serde_json::{Value, json};
 use super::levels::{FREQUENCY, HARMONIC_RATIO, Observable, RECEPTANCE, column, force_axis};
 use super::style;
 use super::x_8_identified_law::{Top, modified};
+use crate::reproduce::paper_figure::{Columns, Computed, PaperFigure};
 use crate::reproduce::rig::{Law, Rig, few_levels};
-use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x11",

@@ -9,8 +9,8 @@ use asperity_identify::{
 use asperity_table::Table;
 
 use super::style;
+use crate::reproduce::paper_figure::{Columns, Computed, PaperFigure};
 use crate::reproduce::rig::Rig;
-use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x12",
@@ -78,7 +78,7 @@ impl Measurement {
 }
 
 fn compute(rig: &Rig) -> Result<Computed> {
-    let fixtures = crate::workspace_root().join("fixtures");
+    let fixtures = crate::workspace::workspace_root().join("fixtures");
     let problem = IdentificationProblem::read(fixtures.join("paper/identify-free.json"))?;
     let found = identify(&problem)?;
     ensure!(found.has_converged() && found.explains(), "{}", found.conclusions().join(" "));

@@ -13,8 +13,8 @@ use serde_json::{Value, json};
 
 use super::levels::{self, FREQUENCY, HARMONIC_RATIO, Observable, RECEPTANCE, column};
 use super::style;
+use crate::reproduce::paper_figure::{Columns, Computed, PaperFigure};
 use crate::reproduce::rig::{Case, Law, Rig};
-use crate::reproduce::{Columns, Computed, PaperFigure};
 use crate::solid::{Lines, Material, Solid};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {

@@ -8,8 +8,8 @@ use super::levels::{
     self, CONTACT_LOST, FREQUENCY, HARMONIC_RATIO, Observable, PRESSURE_MIN, RECEPTANCE, column,
 };
 use super::style;
+use crate::reproduce::paper_figure::{Computed, PaperFigure};
 use crate::reproduce::rig::{Case, Law, Rig, few_levels};
-use crate::reproduce::{Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x2",

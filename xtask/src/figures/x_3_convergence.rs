@@ -9,8 +9,8 @@ use super::levels::{
     FREQUENCY, HARMONIC_RATIO, Observable, PRESSURE_MIN, RECEPTANCE, STIFFNESS_AVERAGE, column,
 };
 use super::style;
+use crate::reproduce::paper_figure::{Columns, Computed, PaperFigure};
 use crate::reproduce::rig::{Case, Law, Rig};
-use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x3",

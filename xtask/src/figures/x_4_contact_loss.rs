@@ -9,8 +9,8 @@ use super::levels::{
     CONTACT_LOST, FREQUENCY, HARMONIC_RATIO, Observable, PRESSURE_MIN, both_laws, column,
 };
 use super::style;
+use crate::reproduce::paper_figure::{Columns, Computed, PaperFigure};
 use crate::reproduce::rig::{Law, Rig};
-use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x4",

@@ -6,8 +6,8 @@ use asperity_table::Table;
 
 use super::levels::{self, FREQUENCY, RECEPTANCE, column, drop_percent};
 use super::style;
+use crate::reproduce::paper_figure::{Columns, Computed, PaperFigure};
 use crate::reproduce::rig::{Case, Law, Rig, few_levels};
-use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x5",

@@ -6,8 +6,8 @@ use asperity_law::fit_power;
 use asperity_table::Table;
 
 use super::style;
+use crate::reproduce::paper_figure::{Columns, Computed, PaperFigure};
 use crate::reproduce::rig::{Case, Law, Rig};
-use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x6",

@@ -12,8 +12,8 @@ use asperity_table::Table;
 
 use super::levels::{both_laws, force_axis};
 use super::style;
+use crate::reproduce::paper_figure::{Computed, PaperFigure};
 use crate::reproduce::rig::{Case, Law, Rig};
-use crate::reproduce::{Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x7",

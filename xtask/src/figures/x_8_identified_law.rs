@@ -9,8 +9,8 @@ use asperity_table::Table;
 
 use super::levels::{FREQUENCY, Observable, PRESSURE_MIN, column, force_axis, yes};
 use super::style;
+use crate::reproduce::paper_figure::{Columns, Computed, PaperFigure};
 use crate::reproduce::rig::{Case, Law, Rig};
-use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x8",

@@ -9,8 +9,8 @@ use super::levels::{
     self, FREQUENCY, HARMONIC_RATIO, Observable, RECEPTANCE, column, drop_percent,
 };
 use super::style;
+use crate::reproduce::paper_figure::{Computed, PaperFigure};
 use crate::reproduce::rig::{Case, Law, Rig, few_levels};
-use crate::reproduce::{Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x9",

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use asperity_table::Table;
 
-use super::Finished;
+use super::paper_figure::Finished;
 
 /// Largest difference from the stored table, over the largest magnitude of its
 /// column. Machines with and without fused multiply-add round differently; over

@@ -4,8 +4,8 @@ use anyhow::Result;
 use asperity_figure::report::{ClaimOutcome, Report, TableCell, four_digits};
 use asperity_simulation::output::OutputFolder;
 
-use super::Finished;
 use super::claims::{CheckedClaim, Expected, Verdict};
+use super::paper_figure::Finished;
 use super::rig::Rig;
 
 /// Writes both forms of the report, and puts the results in place.

@@ -137,7 +137,7 @@ impl Rig {
         if let Some(known) = kept.as_ref() {
             return Ok(Arc::clone(known));
         }
-        let fixtures = crate::workspace_root().join("fixtures");
+        let fixtures = crate::workspace::workspace_root().join("fixtures");
         let problem = IdentificationProblem::read(fixtures.join("paper/identify.json"))?;
         let found = identify(&problem)?;
         ensure!(found.has_converged() && found.explains(), "{}", found.conclusions().join(" "));
@@ -147,7 +147,7 @@ impl Rig {
     /// The stored scenario of that law and pulse.
     pub(crate) fn identified_scenario() -> Result<Document> {
         let place = "fixtures/scenarios/nouira2020-identified.json";
-        Ok(Document::read(crate::workspace_root().join(place))?)
+        Ok(Document::read(crate::workspace::workspace_root().join(place))?)
     }
 
     /// SHA-256 of the rig's scenario.

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use anyhow::{Context, Result, ensure};
 
 use super::Finding;
-use crate::ci::cargo;
+use crate::workspace::cargo;
 
 /// File that asks for the features.
 const ALIGNED: &str = "xtask/features/Cargo.toml";

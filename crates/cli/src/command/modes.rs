@@ -8,6 +8,7 @@ use asperity_simulation::record::modes_csv;
 use serde_json::json;
 
 use super::ResultFolder;
+use super::shown::show_modes;
 use crate::args::{Input, Output};
 use crate::failure::Failure;
 
@@ -30,16 +31,7 @@ pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Fa
     if output.json {
         return Ok(());
     }
-    show(&answer)?;
+    show_modes(&answer)?;
     answer_line!("written to {}", folder.display());
-    Ok(())
-}
-
-/// Prints frequencies and damping.
-pub(super) fn show(answer: &ModesSummary) -> Result<(), Failure> {
-    for (number, mode) in answer.modes.iter().enumerate() {
-        let (hz, percent) = (mode.frequency_hz, 100.0 * mode.damping_ratio);
-        answer_line!("mode {:<3} {hz:>12.3} Hz   damping {percent:.3} %", number + 1);
-    }
     Ok(())
 }

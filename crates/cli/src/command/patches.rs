@@ -9,7 +9,7 @@ use asperity_simulation::provenance::Provenance;
 use serde_json::json;
 
 use super::ResultFolder;
-use super::simulate::{in_words, with_percents, write_run};
+use super::shown::{in_words, show_modes, with_percents, write_run};
 use crate::args::Output;
 use crate::args::analyse::RecordFormat;
 use crate::args::figures::MagnitudeAxis;
@@ -110,7 +110,7 @@ pub(super) fn modes(document: &Document, output: &Output, count: usize) -> Resul
     if output.json {
         return Ok(());
     }
-    super::modes::show(&answer)?;
+    show_modes(&answer)?;
     let free = answer.modes.iter().filter(|mode| mode.frequency_hz == 0.0).count();
     if free > 0 {
         answer_line!("{free} motions are held by no stiffness");

@@ -3,7 +3,7 @@
 use asperity_signal::PeakOrigin;
 
 use super::report::{DecayCurve, DecayCurveReport, DecayLevel, DecayTrend, MeasuredDecay};
-use crate::second_peak::name as name_of_origin;
+use crate::hit_second_peak::name as name_of_origin;
 
 /// Least relative difference of the frequencies of two responses, and in standard deviations.
 const APART: (f64, f64) = (1e-3, 5.0);

@@ -7,8 +7,8 @@ use asperity_signal::{
 use serde::Serialize;
 
 use super::signals::{DecayChannel, DecaySignals, ResponseSignal};
+use crate::hit_second_peak::name as name_of_origin;
 use crate::report::AnalysisProvenance;
-use crate::second_peak::name as name_of_origin;
 
 /// Identifier of the format of `decay.json`.
 pub const DECAY_SCHEMA: &str = "asperity/decay/1";

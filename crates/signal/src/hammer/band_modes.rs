@@ -1,6 +1,7 @@
 //! Modes of a band in the response to one hit.
 
-use super::features::{ModeFeatures, is_prominent, noise_density};
+use super::hit_noise::{is_prominent, noise_density};
+use super::mode_features::ModeFeatures;
 use super::mode_uncertainty::ModeUncertainty;
 use super::{FundamentalSearch, HammerOptions};
 use crate::harmonics::{HarmonicOptions, find_harmonics, peaks_within};

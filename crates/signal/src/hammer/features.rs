@@ -3,14 +3,15 @@
 use super::HammerOptions;
 use super::band_modes::{self, BandMode};
 use super::harmonic_origin::HarmonicTest;
+use super::hit_noise::is_prominent;
+use super::mode_features::ModeFeatures;
 use super::mode_uncertainty::ModeUncertainty;
-use crate::damping::DampingComparison;
 use crate::dominant::dominant_frequency;
 use crate::form::FrfForm;
 use crate::harmonics::{Harmonics, find_harmonics, second_harmonic};
-use crate::hit::Pulse;
-use crate::noise::{MeasuredPart, band_density, quiet_density, white_density};
+use crate::noise::{MeasuredPart, white_density};
 use crate::peak::Peak;
+use crate::pulse::Pulse;
 use crate::response::FrequencyResponse;
 use crate::ring_down::{
     Backbone, BackboneOptions, BackboneUncertainty, BandPass, backbone_and_signal,
@@ -18,11 +19,7 @@ use crate::ring_down::{
 use crate::uncertainty::{
     NoiseDensity, NoiseWindows, PeakUncertainty, peak_uncertainty, ratio_uncertainty,
 };
-use crate::window::{DecayEnvelope, ExponentialWindow, ResponseWindow};
-use num_complex::Complex64;
-
-/// Least height of a second harmonic above the minima beside it, in standard deviations of the noise.
-const PROMINENCE: f64 = 8.0;
+use crate::window::ResponseWindow;
 
 /// Reference of the search for the fundamental.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -171,58 +168,6 @@ pub(super) fn of_hit(
     Some(found)
 }
 
-/// Frequency, receptance and damping of the mode of a peak, corrected for an exponential window.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ModeFeatures {
-    /// Frequency of the peak, in hertz; `None` if the correction needs a damping ratio that was not
-    /// found.
-    pub frequency_hz: Option<f64>,
-    /// Receptance at the peak, in m/N, likewise.
-    pub magnitude: Option<f64>,
-    /// Damping ratios.
-    pub damping: DampingComparison,
-    /// Undamped natural frequency of the circle fit, in hertz.
-    pub natural_hz: Option<f64>,
-    /// Modal constant of the circle fit, in 1/kg, which a window does not change.
-    pub modal_constant: Option<Complex64>,
-}
-
-impl ModeFeatures {
-    /// The features of a peak of a response under an exponential window, with the free decay of its
-    /// mode as for [`DampingComparison::of`].
-    pub fn of(
-        response: &FrequencyResponse,
-        peak: &Peak,
-        decay: &[f64],
-        window: Option<ExponentialWindow>,
-    ) -> Self {
-        let (mut damping, circle) = DampingComparison::and_circle(response, peak, decay);
-        let (frequency, magnitude) = (peak.frequency_hz, peak.magnitude);
-        let natural_hz = circle.map(|circle| circle.natural_hz);
-        let modal_constant = circle.map(|circle| circle.modal_constant);
-        let Some(window) = window else {
-            return Self {
-                frequency_hz: Some(frequency),
-                magnitude: Some(magnitude),
-                damping,
-                natural_hz,
-                modal_constant,
-            };
-        };
-        let ratio = damping.circle.or(damping.half_power);
-        let corrected = |ratio: f64| window.corrected_damping(frequency, ratio);
-        damping.half_power = damping.half_power.map(corrected);
-        damping.circle = damping.circle.map(corrected);
-        Self {
-            frequency_hz: ratio.map(|r| window.corrected_peak_frequency(frequency, r, frequency)),
-            magnitude: ratio.map(|r| window.corrected_peak(frequency, r, magnitude)),
-            damping,
-            natural_hz: circle.map(|c| window.corrected_natural_frequency(c.natural_hz, c.ratio)),
-            modal_constant,
-        }
-    }
-}
-
 /// Uncertainty of a peak that is well above the noise; `None` for one that may be noise.
 fn reliable(
     response: &FrequencyResponse,
@@ -232,11 +177,6 @@ fn reliable(
     let is_above_noise =
         |sigma: &PeakUncertainty| sigma.is_first_order() && is_prominent(peak, sigma);
     peak_uncertainty(response, peak, noise).filter(is_above_noise)
-}
-
-/// True for a peak that is well above the minima beside it.
-pub(super) fn is_prominent(peak: &Peak, sigma: &PeakUncertainty) -> bool {
-    peak.prominence > PROMINENCE * sigma.relative
 }
 
 /// A hit whose response ends where the second harmonic is noise, and the noise with that window;
@@ -257,53 +197,4 @@ fn until_harmonic_is_noise(
     let windows = NoiseWindows { response: Some(window), ..noise.windows };
     let response = unwindowed.with_response_window(&window).interpolated();
     (Some(response), NoiseDensity { windows, ..noise })
-}
-
-/// Band of the noise, over the fundamental.
-const NOISE_BAND: (f64, f64) = (0.5, 2.5);
-
-/// Parts of a hit that are quiet: of the force, which rests after the pulse at its beginning, and of
-/// the response at first.
-const QUIET_FORCE: f64 = 0.25;
-const QUIET_RESPONSE: f64 = 0.75;
-
-/// Densities of the noise of force and response about a resonance (Hz), and the end of the response's
-/// decay with [`HitWindows::until_noise`](super::HitWindows).
-pub(super) fn noise_density(
-    force: &[f64],
-    response: &[f64],
-    rate: f64,
-    resonance_hz: f64,
-    options: &HammerOptions,
-) -> NoiseDensity {
-    let band = (NOISE_BAND.0 * resonance_hz, NOISE_BAND.1 * resonance_hz);
-    // Padding is no noise, and rounding is the least. A force may rest at zero.
-    let part = MeasuredPart::of(response);
-    let from = |samples: &[f64], begin: f64| {
-        let samples = &samples[..part.measured.min(samples.len())];
-        let quiet = &samples[(begin as usize).min(samples.len())..];
-        quiet_density(quiet, rate, band).unwrap_or(0.0)
-    };
-    let of_response = |begin: f64| from(response, begin).max(part.rounding_density(rate));
-    let measured = part.measured as f64;
-    let mut found = NoiseDensity {
-        force: from(force, QUIET_FORCE * measured),
-        response: of_response(QUIET_RESPONSE * measured),
-        windows: NoiseWindows::default(),
-    };
-    if let Some(band) = options.noise_band_hz {
-        found.response = band_density(response, rate, band).ok().flatten().unwrap_or(0.0);
-    }
-    let envelope = DecayEnvelope::of(response, rate, resonance_hz);
-    let window = |density| envelope.as_ref()?.until_noise(response, density);
-    let decayed = window(found.response);
-    if let (Some(decayed), None) = (decayed, options.noise_band_hz) {
-        // All of the response after the decay is noise.
-        let begin = (decayed.end_s + decayed.taper_s) * rate;
-        found.response = of_response(begin.min(QUIET_RESPONSE * measured));
-    }
-    if options.windows.until_noise {
-        found.windows.response = window(found.response);
-    }
-    found
 }

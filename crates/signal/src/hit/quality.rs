@@ -5,7 +5,7 @@ use std::fmt;
 use super::HitRecord;
 use super::double::{DoubleHit, double_hits};
 use super::fault::{SampleRun, clipped, force_dropouts, not_finite, overloads, response_dropouts};
-use super::offset::Offset;
+use crate::offset::Offset;
 use crate::sums::largest_magnitude;
 
 /// A signal of a hit.

@@ -13,7 +13,8 @@ use asperity_law::LawError;
 use super::converged_run::{ConvergedRun, RunRequest};
 use asperity_structure::LoadCase;
 
-use crate::accuracy::{DEFAULT_ACCURACY, ErrorEstimate};
+use crate::accuracy::ErrorEstimate;
+use crate::assemble::DEFAULT_ACCURACY;
 use crate::error::SimulationError;
 use crate::observables::Observables;
 

@@ -8,10 +8,14 @@ use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::work_folder::{INNER_FOLDER, LOCK};
-
 /// Name of the file.
 pub(super) const MARKER: &str = ".asperity.json";
+
+/// Name of the work folder inside an output folder, for folders that cannot be exchanged.
+pub(super) const INNER_FOLDER: &str = ".asperity";
+
+/// Name of the locked file in a work folder.
+pub(super) const LOCK: &str = "lock";
 
 const SCHEMA: &str = "asperity/folder/1";
 

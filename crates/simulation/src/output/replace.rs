@@ -4,8 +4,8 @@ use std::fs::{self, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::marker::{FolderMarker, MARKER};
-use super::work_folder::{INNER_FOLDER, WorkFolder, remove_earlier, remove_folder};
+use super::marker::{FolderMarker, INNER_FOLDER, MARKER};
+use super::work_folder::{WorkFolder, remove_earlier, remove_folder};
 use super::write_file;
 
 /// Puts the new files in place of those of `earlier`, with `marker` as the folder's marker.

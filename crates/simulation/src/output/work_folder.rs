@@ -7,14 +7,8 @@ use std::path::{Path, PathBuf};
 
 use same_file::Handle;
 
-use super::marker::{FolderMarker, MARKER};
+use super::marker::{FolderMarker, INNER_FOLDER, LOCK, MARKER};
 use crate::error::OutputError;
-
-/// Name of the same inside an output folder, for folders that cannot be exchanged.
-pub(super) const INNER_FOLDER: &str = ".asperity";
-
-/// Name of the locked file in a work folder.
-pub(super) const LOCK: &str = "lock";
 
 /// Attempts to lock a file that other runs remove at the same time.
 const MOST_ATTEMPTS: usize = 1000;

@@ -14,8 +14,7 @@ use tracing::info_span;
 use super::body::Body;
 use super::kept_reduction::{self, BodyShapes, FOLDER, ReductionKey};
 use super::ports::{Patch, Ports};
-use crate::accuracy::DEFAULT_ACCURACY;
-use crate::assemble::{Assembly, Interfaces, Sensor, samples_of};
+use crate::assemble::{Assembly, DEFAULT_ACCURACY, Interfaces, Sensor, samples_of};
 use crate::error::SimulationError;
 use crate::static_state::{StaticInterface, StaticSummary};
 

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use cargo_metadata::Message;
 
 use super::{ENDS, option};
-use crate::ci::cargo;
+use crate::workspace::cargo;
 
 /// Options that every command has.
 const EVERYWHERE: [&str; 2] = ["--help", "--version"];
