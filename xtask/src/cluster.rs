@@ -1,8 +1,8 @@
 //! `cargo xtask cluster`: a study on a real Slurm of two nodes on this machine.
 //!
 //! It starts munged, slurmctld and two slurmd in a temporary folder, without systemd, cgroups or a
-//! database; sends the script of `asperity study slurm` for a study of 8 shards; kills one shard in
-//! its middle; waits for the job that joins all; and compares the bytes with those of one run. The
+//! database; sends the script of `asperity study slurm` for a study of 8 shards, which are more than an array
+//! may have; kills one shard in its middle; waits for the job that joins all; and compares the bytes with those of one run. The
 //! daemons end with the task.
 
 use std::fmt::Write;
@@ -23,6 +23,8 @@ const DAEMONS: [&str; 2] = ["/usr/sbin", "/usr/local/sbin"];
 
 const NODES: usize = 2;
 const SHARDS: u64 = 8;
+/// Numbers of an array of Slurm are below it: the shards are two arrays.
+const MAX_ARRAY_SIZE: u64 = 6;
 /// The shard that is killed.
 const KILLED: u64 = 3;
 const CHUNK_ROWS: u64 = 64;
@@ -72,7 +74,14 @@ pub(crate) fn run() -> Result<bool> {
         "2",
     ])?;
     fs::write(folder.join("job.sh"), script)?;
-    print!("{}", slurm.output("bash", &["job.sh"])?);
+    let sent = slurm.output("bash", &["job.sh"])?;
+    print!("{sent}");
+    let arrays = sent.split(';').next().unwrap_or_default().split("job ").nth(1);
+    let arrays = arrays.unwrap_or_default().split_whitespace().count() as u64;
+    ensure!(
+        arrays == SHARDS.div_ceil(MAX_ARRAY_SIZE - 1),
+        "the shards were sent as {arrays} arrays"
+    );
     slurm.kill_shard()?;
     println!("shard {KILLED} was killed in its middle");
     slurm
@@ -188,6 +197,7 @@ impl Slurm {
              SchedulerParameters=batch_sched_delay=0,sched_interval=1,bf_interval=1\n\
              ReturnToService=2\n\
              MinJobAge=10\n\
+             MaxArraySize={MAX_ARRAY_SIZE}\n\
              SlurmdParameters=config_overrides\n\
              CommunicationParameters=NoInAddrAny,NoCtldInAddrAny\n\
              StateSaveLocation={}\n\

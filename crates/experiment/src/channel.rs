@@ -201,7 +201,9 @@ pub(crate) fn choose(
         selector.fitting(record)
     } else {
         let channels = record.channels.iter().enumerate();
-        channels.filter(|(_, c)| role.fits(c.quantity)).map(|(place, _)| place).collect()
+        let fitting =
+            channels.filter(|(_, c)| role.fits(c.quantity)).map(|(place, _)| place).collect();
+        history_response(record, role).map_or(fitting, |place| vec![place])
     };
     let (file_name, role_name) = (file.to_owned(), role.name());
     let wanted = wanted.map(ToString::to_string).unwrap_or_default();
@@ -231,6 +233,31 @@ pub(crate) fn choose(
         });
     }
     Ok(place)
+}
+
+/// Index of the acceleration in the history of a simulation without named sensors, which has pressure and closure of
+/// each contact, and one displacement and one acceleration of the same place.
+fn history_response(record: &Record, role: ChannelRole) -> Option<usize> {
+    let is_state = |channel: &Channel, name: &str| {
+        let state = channel.name.rsplit_once(':').and_then(|(_, state)| state.strip_prefix(name));
+        state.is_some_and(|unit| unit.is_empty() || unit.starts_with('_'))
+    };
+    let has = |name: &str| record.channels.iter().any(|channel| is_state(channel, name));
+    if role != ChannelRole::Response || !has("pressure") || !has("closure") {
+        return None;
+    }
+    let channels = record.channels.iter().enumerate();
+    let motions: Vec<(usize, ChannelQuantity)> = channels
+        .filter(|(_, channel)| role.fits(channel.quantity) && !is_state(channel, "closure"))
+        .map(|(place, channel)| (place, channel.quantity))
+        .collect();
+    match motions[..] {
+        [(_, ChannelQuantity::Displacement), (place, ChannelQuantity::Acceleration)]
+        | [(place, ChannelQuantity::Acceleration), (_, ChannelQuantity::Displacement)] => {
+            Some(place)
+        }
+        _ => None,
+    }
 }
 
 /// Name of a channel that is nearest to one that names none.

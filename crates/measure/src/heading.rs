@@ -78,7 +78,9 @@ fn after_underscore(text: &str) -> Option<Heading> {
         // `force_in` is an input, not a length.
         let fits =
             sensor || stated == by_unit || stated == ChannelQuantity::Unknown && suffix != "in";
-        (fits && !name.is_empty())
+        // The last unit of `stiffness_pa_per_m` is a part of another.
+        let is_whole = !name.ends_with("_per") && !name.is_empty();
+        (fits && is_whole)
             .then(|| Heading { name: name.to_owned(), unit: ChannelUnit::Known(unit) })
     })
 }
@@ -116,6 +118,8 @@ mod tests {
             ("F/N", "F", "N"),
             ("a/m/s^2", "a", "m/s^2"),
             ("hammer_1_mV", "hammer_1", "mV"),
+            ("stiffness_pa_per_m", "stiffness_pa_per_m", ""),
+            ("receptance_m_per_n", "receptance_m_per_n", ""),
             ("Force [-]", "Force", ""),
             ("Force [furlong]", "Force", "furlong"),
             ("force (rear)", "force (rear)", ""),

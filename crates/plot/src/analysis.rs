@@ -280,31 +280,32 @@ fn features(analysis: &ResponseAnalysis) -> Option<Figure> {
     ));
     let levels = &analysis.report.levels;
     let panels = [
-        of_levels(frequency, levels, |level| level.frequency_hz),
-        of_levels(amplitude, levels, |level| level.magnitude),
-        of_levels(damping, levels, |level| level.damping_ratio),
-        of_levels(ratio, levels, |level| level.harmonic_ratio),
+        of_levels(frequency, "mean of a force level", levels, |level| level.frequency_hz)
+            .legend(Legend::Auto),
+        of_levels(amplitude, "", levels, |level| level.magnitude),
+        of_levels(damping, "", levels, |level| level.damping_ratio),
+        of_levels(ratio, "", levels, |level| level.harmonic_ratio),
     ];
     figure("Features against force", 2, 170.0, panels)
 }
 
-/// Adds the means of several force levels with two hits or more as a line.
+/// Adds the means of the force levels as a line, where one has two hits or more.
 fn of_levels(
     panel: Panel,
+    name: &str,
     levels: &[ForceLevel],
     feature: fn(&ForceLevel) -> Option<HitStatistics>,
 ) -> Panel {
-    let means: Vec<(f64, f64)> = levels
+    let means: Vec<(f64, HitStatistics)> = levels
         .iter()
         .filter_map(|level| Some((level.force_peak_n.mean, feature(level)?)))
-        .filter(|(_, feature)| feature.hits > 1)
-        .map(|(force, feature)| (force, feature.mean))
         .collect();
-    if means.len() < 2 {
+    if means.len() < 2 || means.iter().all(|(_, feature)| feature.hits < 2) {
         return panel;
     }
-    let (x, y): (Vec<f64>, Vec<f64>) = means.into_iter().unzip();
-    panel.series_if_visible(Series::line("", x, y).color(Color::GREY).dash(Dash::Dashed))
+    let (x, y): (Vec<f64>, Vec<f64>) =
+        means.into_iter().map(|(force, feature)| (force, feature.mean)).unzip();
+    panel.series_if_visible(Series::line(name, x, y).color(Color::GREY).dash(Dash::Dashed))
 }
 
 /// Frequency and damping along the decays, until they are noise.

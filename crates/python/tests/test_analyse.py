@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import threading
 from collections.abc import Callable, Mapping
@@ -278,12 +279,23 @@ def test_the_history_of_a_simulation_is_analysed() -> None:
     from conftest import SCENARIOS
 
     run = asperity.simulate(SCENARIOS / "nouira2020-modified.json")
-    found = asperity.analyse(
-        asperity.to_sep005(run.history), response="acceleration", band_hz=(400, 1200)
-    )
     first = run.summary["fundamental"]
-    assert found.hits["frequency_hz"][0] == pytest.approx(first["frequency_hz"], rel=1e-3)
-    assert found.hits["magnitude_m_per_n"][0] == pytest.approx(first["receptance_m_per_n"], rel=0.01)
+    sources: list[Any] = [run.history, asperity.to_sep005(run.history)]
+    for package in ("pandas", "xarray"):
+        if importlib.util.find_spec(package):
+            sources.append(getattr(run.history, f"to_{package}")())
+    for source in sources:
+        found = asperity.analyse(source, band_hz=(400, 1200))
+        assert found.responses[0].name.startswith("acceleration")
+        assert found.hits["frequency_hz"][0] == pytest.approx(first["frequency_hz"], rel=1e-3)
+        receptance = found.hits["magnitude_m_per_n"][0]
+        assert receptance == pytest.approx(first["receptance_m_per_n"], rel=0.01)
+    # The displacement is taken where it is asked for, and of other records nothing is assumed.
+    found = asperity.analyse(run.history, response="displacement_m", band_hz=(400, 1200))
+    assert found.responses[0].name == "displacement_m"
+    names = ("time_s", "force_n", "displacement_m", "acceleration_m_per_s2")
+    with pytest.raises(ValueError, match="several channels may be the response"):
+        asperity.analyse(asperity.Table({name: run.history[name] for name in names}))
 
 
 # Real measurements, compared with pyFRF.

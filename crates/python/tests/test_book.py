@@ -11,12 +11,15 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+import asperity
 from conftest import COMMAND, ROOT, SCENARIOS
 
 BOOK = ROOT / "docs" / "src"
 OVERVIEW = BOOK / "how-to" / "use-python.md"
+MEASURED = BOOK / "how-to" / "identify-in-python.md"
 PAGES = sorted((BOOK / "python").glob("*.md"))
 
 #: The page with pictures, which its program writes; it has no original without Python.
@@ -47,10 +50,11 @@ def imported(block: str) -> set[str]:
     return found
 
 
-def run(page: Path, blocks: Blocks) -> list[str]:
-    """Runs the blocks in their order as one program; returns the packages that are missing here,
-    whose blocks are left out."""
-    names: dict[str, Any] = {"__name__": page.stem}
+def run(page: Path, blocks: Blocks, names: dict[str, Any] | None = None) -> list[str]:
+    """Runs the blocks in their order as one program, with the names given and its own; returns the
+    packages that are missing here, whose blocks are left out."""
+    names = {} if names is None else names
+    names["__name__"] = page.stem
     missing = []
     for lines, block in blocks:
         absent = [name for name in imported(block) if importlib.util.find_spec(name) is None]
@@ -69,6 +73,38 @@ def test_the_overview_runs(
     monkeypatch.chdir(Path(SCENARIOS))
     assert run(OVERVIEW, blocks) == []
     assert "/excitation/peak" in capsys.readouterr().out
+
+
+def test_the_page_of_measured_hits_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    rate = 25600.0
+    rig = asperity.Scenario(Path(SCENARIOS) / "nouira2020-modified.json").with_({
+        "/method": "modal",
+        "/duration_s": 0.1,
+        "/output_rate_hz": rate,
+    })
+    rig.save("rig.json")
+    noise = np.random.default_rng(1).standard_normal((7, 2, int(1.3 * rate)))
+    hits = noise * np.array([[1e-3], [2e-3]])
+    for hit, peak in zip(hits, (6, 10, 14, 18, 22, 26, 30), strict=True):
+        history = rig.with_({"/excitation/peak_n": peak}).simulate().history
+        for channel, column in zip(hit, ("force_n", "acceleration_m_per_s2"), strict=True):
+            channel[256 : 256 + history.rows] += history[column]
+    force, acceleration = hits.swapaxes(0, 1).reshape(2, -1)
+    asperity.write("hits.uff", [
+        {"name": "hammer", "data": force, "unit_str": "N", "fs": rate},
+        {"name": "top", "data": acceleration, "unit_str": "m/s^2", "fs": rate},
+    ])
+    given = {"hits": hits, "force": force, "acceleration": acceleration}
+    assert run(MEASURED, blocks_of(MEASURED), given) == []
+    band = given["band"]
+    assert given["identified"].use != "no"
+    # The law inside the band where the data inform it.
+    law = asperity.laws(rig)["modified"]
+    informed = band["informed"]
+    truth = law.stiffness(band["pressure_pa"][informed])
+    inside = (band["lower_pa_per_m"][informed] <= truth) & (truth <= band["upper_pa_per_m"][informed])
+    assert inside.mean() > 0.9
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)

@@ -9,6 +9,7 @@ use asperity_experiment::{
 };
 use asperity_measure::{MeasurementSource, WriteOptions};
 use asperity_plot as plot;
+use asperity_scenario::four_digits;
 use asperity_simulation::output::file_name::distinct_file_names;
 use serde_json::json;
 
@@ -142,13 +143,13 @@ fn modes(modes: &[Mode]) -> String {
     let mut text = String::from(
         "\n mode  response            f0 Hz       +-   damping %       +-   constant 1/kg  phase deg\n",
     );
-    let number = |value: Option<f64>, width: usize, digits: usize| {
-        let shown = value.map_or("-".to_owned(), |value| format!("{value:.digits$}"));
-        format!("{shown:>width$}")
-    };
-    let deviation = |value: Option<f64>| {
-        let shown = value.map_or("-".to_owned(), |value| format!("{value:.1e}"));
-        format!("{shown:>8}")
+    // A value has the digits of its deviation, which has two.
+    let pair = |value: f64, deviation: Option<f64>, width: usize, digits: usize| {
+        let digits = deviation
+            .filter(|sigma| *sigma > 0.0 && sigma.is_finite())
+            .map_or(digits, |sigma| (1.0 - sigma.log10().floor()).clamp(0.0, 6.0) as usize);
+        let sigma = deviation.map_or("-".to_owned(), |sigma| format!("{sigma:.digits$}"));
+        format!("{value:>width$.digits$} {sigma:>8}")
     };
     for mode in modes {
         for (place, at) in mode.responses.iter().enumerate() {
@@ -157,13 +158,11 @@ fn modes(modes: &[Mode]) -> String {
             let percent = |value: Option<f64>| value.map(|value| 100.0 * value);
             let _ = writeln!(
                 text,
-                "{first:>5}  {:<14} {} {} {} {} {:>15.4e} {:>10.1}{}",
+                "{first:>5}  {:<14} {} {} {:>15} {:>10.1}{}",
                 at.response,
-                number(Some(at.natural_frequency_hz), 10, 3),
-                deviation(at.natural_frequency_uncertainty_hz),
-                number(Some(100.0 * at.damping_ratio), 11, 4),
-                deviation(percent(at.damping_ratio_uncertainty)),
-                re.hypot(im),
+                pair(at.natural_frequency_hz, at.natural_frequency_uncertainty_hz, 10, 3),
+                pair(100.0 * at.damping_ratio, percent(at.damping_ratio_uncertainty), 11, 4),
+                four_digits(re.hypot(im)),
                 at.phase_deg,
                 if at.frequency_change_hz.is_some() { "  nonlinear: see backbone.csv" } else { "" },
             );

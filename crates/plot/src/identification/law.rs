@@ -86,7 +86,7 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
         let name = |name: &str| if named { name.to_owned() } else { String::new() };
         marks.iter().fold(shaded(panel, law), |panel, (at, text)| panel.vertical(*at, name(text)))
     };
-    let shown = marked(shown, true);
+    let shown = marked(shown, true).series(uninformed(low, least));
     let relative = (!is_void).then(|| relative(law, &points, pressure())).flatten();
 
     let usable = law.remaining.iter().copied().filter(|part| *part > 0.0 && part.is_finite());
@@ -197,6 +197,12 @@ fn hatched(name: String, law: &LawBand) -> Series {
     let strokes = ends.flat_map(|(&p, (&low, &high))| [(p, low), (p, high), (p, f64::NAN)]);
     let (x, y): (Vec<f64>, Vec<f64>) = strokes.unzip();
     Series::line(name, x, y).width(0.5)
+}
+
+/// The entry of the legend for what [`shaded`] draws: a band without area, in a corner of the panel.
+fn uninformed(pressure: f64, stiffness: f64) -> Series {
+    let (x, y) = ([pressure, pressure], [stiffness, stiffness]);
+    Series::band("not informed by the data", x, y, y).color(Color::GREY).lightness(0.88)
 }
 
 /// The panel with all pressures shaded but those that the data inform.

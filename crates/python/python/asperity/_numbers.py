@@ -65,13 +65,14 @@ def is_series(value: object) -> bool:
 
 
 def is_frame(value: object) -> bool:
-    """True for a data frame: of pandas, polars and the like."""
-    return hasattr(value, "to_numpy") and hasattr(value, "columns")
+    """True for a data frame of pandas, polars and the like, and for a Dataset of xarray."""
+    return hasattr(value, "to_numpy") and hasattr(value, "columns") or hasattr(value, "data_vars")
 
 
 def columns_of(frame: Any) -> dict[str, Any]:
-    """The columns of a data frame by their names."""
-    return {name: frame[name] for name in frame.columns}
+    """The columns of a data frame by their names; coordinates and variables of a Dataset."""
+    names = frame.variables if hasattr(frame, "data_vars") else frame.columns
+    return {name: frame[name] for name in names}
 
 
 def column(values: ArrayLike, name: str) -> list[float]:

@@ -177,3 +177,24 @@ fn a_force_that_rings_is_asked_about() {
     let notices = all["notices"].as_array().unwrap();
     assert!(notices.iter().any(|one| one.as_str().unwrap().ends_with("is it a force?")));
 }
+
+/// The history of a simulation is read at its acceleration, and has the features of its summary.
+#[test]
+fn the_history_of_a_simulation_is_analysed() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig =
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenarios/nouira2020-modified.json");
+    let run = asperity(folder.path(), &["simulate", rig, "--set", "/method=modal", "--out", "run"]);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let asked = ["analyse", "run/history.csv", "--band", "700:1000", "--out", "analysed"];
+    let found = asperity(folder.path(), &asked);
+    assert!(found.status.success(), "{}", String::from_utf8_lossy(&found.stderr));
+    let read = |name: &str| -> serde_json::Value {
+        serde_json::from_str(&std::fs::read_to_string(folder.path().join(name)).unwrap()).unwrap()
+    };
+    let (summary, analysis) = (read("run/summary.json"), read("analysed/analysis.json"));
+    assert_eq!(analysis["channels"][1]["name"], "acceleration", "{analysis:#}");
+    let of_summary = summary["fundamental"]["frequency_hz"].as_f64().unwrap();
+    let of_hit = analysis["hits"][0]["fundamental"]["frequency_hz"].as_f64().unwrap();
+    assert!((of_hit / of_summary - 1.0).abs() < 1e-3, "{of_hit} {of_summary}");
+}
