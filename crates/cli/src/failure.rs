@@ -210,10 +210,13 @@ fn analysis_hint(error: &AnalysisError) -> Option<String> {
              samples beyond the sensor's range; their hits are then left out of averages"
                 .into()
         }
-        AnalysisError::NoChannel { channels, .. } if channels.contains("(voltage") => {
-            "volts are converted with --sensitivity CHANNEL=SENSITIVITY, such as --sensitivity \
-             hammer=2.25mV/N"
-                .into()
+        AnalysisError::NoChannel { channels, role, .. } if channels.contains("(voltage") => {
+            // Listed as #1 `hammer` (voltage, V).
+            let before = channels.split("` (voltage").next().unwrap_or_default();
+            let name = before.rsplit('`').next().unwrap_or("hammer");
+            let unit = if *role == "force" { "2.25mV/N" } else { "10.2mV/(m/s^2)" };
+            let sensitivity = format!("--sensitivity \"{name}={unit}\"");
+            format!("volts are converted with --sensitivity CHANNEL=SENSITIVITY, such as {sensitivity}")
         }
         AnalysisError::SameFile { .. } => "choose another name".into(),
         AnalysisError::NoChannel { role: "force", .. } => {

@@ -191,11 +191,8 @@ impl RowReader<'_> {
             }
             let value = if let Some(value) = self.dialect.number(field) {
                 value
-            } else if field.is_empty() {
-                if self.source.remaining() == 0 {
-                    return Ok(place);
-                }
-                return Err(wrong(field, format!("a number for `{}`", column.name())));
+            } else if field.is_empty() && self.source.remaining() == 0 {
+                return Ok(place);
             } else {
                 let at = self.source.line_place();
                 if self.invalid_cells == InvalidCells::Refuse || column.is_axis() {
@@ -209,7 +206,8 @@ impl RowReader<'_> {
                 let first = self.invalid.get_or_insert_with(|| (0, at, column.name()));
                 first.0 += 1;
                 let beyond = if field.starts_with(b"-") && !is_dashes(field) { -1.0 } else { 1.0 };
-                let overload = self.invalid_cells == InvalidCells::Overload;
+                // Nothing was measured in an empty cell.
+                let overload = self.invalid_cells == InvalidCells::Overload && !field.is_empty();
                 if overload { beyond * f64::INFINITY } else { f64::NAN }
             };
             if tracked.contains(&place)

@@ -214,7 +214,7 @@ fn an_early_cell_that_is_no_number_is_named() {
         (from..to).flat_map(|n| row(n).into_bytes()).map(char::from).collect()
     };
     let head = "time_s,hammer (N),top (g)\n";
-    for cell in ["---", "\u{221e}", "OVL", "-OVL", "1.#INF", "#N/A", "broken", "?"] {
+    for cell in ["---", "\u{221e}", "OVL", "-OVL", "1.#INF", "#N/A", "broken", "?", ""] {
         for at in [0, 1, 3, 8] {
             let file = format!("{head}{}0.{at:03},0,{cell}\n{}", good(0, at), good(at + 1, 12));
             let message = error_of(&file);
@@ -233,7 +233,9 @@ fn an_early_cell_that_is_no_number_is_named() {
             );
             let measured = read(InvalidCells::Overload);
             let top = samples(&measured.records[0], "top")[at as usize];
-            assert_eq!((top.is_infinite(), top < 0.0), (true, cell == "-OVL"));
+            // Nothing was measured in an empty cell.
+            assert_eq!((top.is_infinite(), top < 0.0), (!cell.is_empty(), cell == "-OVL"));
+            assert_eq!(top.is_nan(), cell.is_empty());
         }
     }
     let short = error_of(format!("{head}{}0.003,3\n{}", good(0, 3), good(4, 12)));
