@@ -1,11 +1,13 @@
 //! Step, modes and estimated errors of the simulated hits at the best fit.
 
+use asperity_inference::Observation;
 use asperity_simulation::error::SimulationError;
 use asperity_simulation::error_control::ConvergedRun;
 use asperity_simulation::quantity::Quantity;
 use asperity_simulation::warning::Warning;
 use serde::Serialize;
 
+use crate::observed_quantity::ObservedQuantity;
 use crate::scenario_model::ScenarioModel;
 
 /// Numerics of one simulated hit.
@@ -74,5 +76,50 @@ impl HitNumerics {
             )
         };
         kinds.into_iter().map(notice).collect()
+    }
+}
+
+/// Estimated errors of the integration in the predictions of one feature.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FeatureErrors {
+    /// The feature.
+    pub feature: String,
+    /// Number of observations whose prediction has an estimate.
+    pub observations: usize,
+    /// Root mean square of error over standard deviation of the observation.
+    pub deviations: f64,
+}
+
+impl FeatureErrors {
+    /// The errors of each observed feature of the hits, `converged` at one point.
+    pub(super) fn all(
+        model: &ScenarioModel,
+        converged: &[Result<ConvergedRun, SimulationError>],
+        observations: &[Observation],
+    ) -> Vec<Self> {
+        let mut found: Vec<Self> = Vec::new();
+        for (quantity, observation) in model.quantities.iter().zip(observations) {
+            let ObservedQuantity::Feature { hit, column } = *quantity else { continue };
+            let Some(Ok(run)) = converged.get(hit) else { continue };
+            let error = run.observables.estimate().map(|estimate| estimate.errors[column]);
+            let Some(error) = error.filter(|error| error.is_finite()) else { continue };
+            let square = (error / observation.standard_deviation).powi(2);
+            let feature = &model.columns.names[column];
+            match found.iter_mut().find(|one| one.feature == *feature) {
+                Some(one) => {
+                    one.observations += 1;
+                    one.deviations += square;
+                }
+                None => found.push(Self {
+                    feature: feature.clone(),
+                    observations: 1,
+                    deviations: square,
+                }),
+            }
+        }
+        for one in &mut found {
+            one.deviations = (one.deviations / one.observations as f64).sqrt();
+        }
+        found
     }
 }

@@ -16,7 +16,7 @@ use crate::design::{DesignModel, DesignRanking};
 use crate::error::IdentificationError;
 use crate::explanations::{Explanation, Unexplained};
 use crate::given_numbers::{GivenNumber, GivenNumbers, RigidSupport};
-use crate::hit_numerics::HitNumerics;
+use crate::hit_numerics::{FeatureErrors, HitNumerics};
 use crate::identification_problem::IdentificationProblem;
 use crate::incomplete::IncompleteIdentification;
 use crate::latent_sampling::{FreeLawFindings, posterior_of, profiles};
@@ -28,6 +28,7 @@ use crate::scenario_model::ScenarioModel;
 use crate::work::{WorkStage, expected_evaluations, expected_of_explanations};
 use asperity_scenario::Laws;
 use asperity_simulation::provenance::InputFile;
+use serde_json::Value;
 
 /// Relative reduction of the cost at which a fit with latents has converged: an error of a thousandth in chi-square is far below its spread.
 const LATENT_TOLERANCE: f64 = 1e-4;
@@ -72,6 +73,10 @@ pub struct Identification {
     pub laws: Laws,
     /// Step, modes and estimated errors of each simulated hit at the best fit.
     pub hits: Vec<HitNumerics>,
+    /// Estimated errors of the integration in the observed features of the hits.
+    pub feature_errors: Vec<FeatureErrors>,
+    /// Step \[s\] that the scenario sets for all hits.
+    pub step_s: Option<f64>,
     /// Notices on replaced or omitted data and settings, and warnings about simulated hits.
     pub notices: Vec<String>,
     /// Files that the result depends on, beside problem and scenario.
@@ -164,7 +169,10 @@ pub fn identify_with_progress(
         return Err(unfinished.stopped(WorkStage::Fit, own, None, Vec::new(), laws));
     }
     let best = best?;
-    let hits = HitNumerics::of(&forward, &forward.converged(&best.point)?);
+    let converged = forward.converged(&best.point)?;
+    let hits = HitNumerics::of(&forward, &converged);
+    let feature_errors = FeatureErrors::all(&forward, &converged, forward.observations());
+    drop(converged);
     notices.extend(HitNumerics::notices(&hits));
     work.begin(WorkStage::Profiles);
     let linearisation = best.linearise()?;
@@ -239,6 +247,8 @@ pub fn identify_with_progress(
         comparison_noise_factor,
         design,
         hits,
+        feature_errors,
+        step_s: forward.scenario.pointer("/method/step_s").and_then(Value::as_f64),
         notices,
         files,
         level: spec.level,

@@ -61,6 +61,8 @@ pub enum ReasonKind {
     ConstantStiffness,
     /// A support that is taken as rigid.
     RigidSupport,
+    /// Errors of the integration in observed features.
+    Numerics,
     /// The standard deviations of the data are far larger than the residuals.
     Spreads,
 }
@@ -120,6 +122,10 @@ const LEAST_SHARE: f64 = 0.1;
 /// Half widths of its band by which a half-space of steel may move a law before care is needed: beyond this even a
 /// support five times as stiff moves the law out of its band.
 const SUPPORT_WIDTHS: f64 = 5.0;
+
+/// Root mean square of the errors of the integration in a feature, in standard deviations of its observations, from
+/// which care is needed.
+const NUMERICAL: f64 = 1.0;
 
 /// p-value of a smaller chi-square below which the standard deviations are too large.
 const TOO_GOOD: f64 = 1e-6;
@@ -238,6 +244,7 @@ impl Identification {
     /// | best value outside its interval | | an interval with two ends, or the band where the data inform it |
     /// | starts | one alone reached the lowest cost | and the law does not agree; an optimum as good outside the intervals |
     /// | rigid support that is not stated | a half-space of steel in its place moves the law by more than five half widths of its band | |
+    /// | errors of the integration in a feature, in standard deviations (root mean square) | 1 | |
     /// | compared laws | a constant stiffness is not rejected | another is the best, and the law is rejected |
     pub fn judgement(&self) -> Judgement {
         let mut reasons = Vec::new();
@@ -259,6 +266,7 @@ impl Identification {
         reasons.extend(self.of_law());
         reasons.extend(self.of_comparison());
         reasons.extend(self.of_support());
+        reasons.extend(self.of_numerics());
         reasons.extend(self.of_spreads());
         Judgement::of(reasons)
     }
@@ -560,6 +568,25 @@ impl Identification {
             ("half_space_shift", support.half_space_shift),
         ];
         Some(Reason::new(ReasonKind::RigidSupport, usability, words, numbers))
+    }
+
+    fn of_numerics(&self) -> Option<Reason> {
+        let errors = self.feature_errors.iter().filter(|one| one.deviations > NUMERICAL);
+        let worst = errors.max_by(|a, b| a.deviations.total_cmp(&b.deviations))?;
+        let remedy = match self.step_s {
+            Some(step) => format!(
+                "the scenario sets the step {} s; without \"step_s\" in \"method\" it is chosen by the accuracy.",
+                four_digits(step)
+            ),
+            None => "a smaller \"accuracy\" in \"method\" of the scenario lowers them.".to_owned(),
+        };
+        let words = format!(
+            "the errors of the integration are estimated as {:.1} standard deviations of the {} observations of {} (root mean square): {remedy}",
+            worst.deviations, worst.observations, worst.feature
+        );
+        let numbers =
+            [("deviations", worst.deviations), ("observations", worst.observations as f64)];
+        Some(Reason::new(ReasonKind::Numerics, Usability::WithCare, words, numbers))
     }
 
     fn of_spreads(&self) -> Option<Reason> {

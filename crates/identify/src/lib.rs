@@ -91,7 +91,7 @@ pub use design::{CandidateMeasurement, DesignRanking, MeasurementKind};
 pub use error::IdentificationError;
 pub use explanations::Explanation;
 pub use given_numbers::{GivenNumber, RigidSupport};
-pub use hit_numerics::HitNumerics;
+pub use hit_numerics::{FeatureErrors, HitNumerics};
 pub use identification::{Identification, identify, identify_with_progress};
 pub use identification_problem::IdentificationProblem;
 pub use incomplete::IncompleteIdentification;

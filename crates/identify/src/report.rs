@@ -165,6 +165,7 @@ impl Identification {
             "numerics": {
                 "evaluations": self.fit.evaluations + found.evaluations,
                 "hits": self.hits,
+                "feature_errors": self.feature_errors,
                 "wall_s": self.wall_s,
             },
             "provenance": {

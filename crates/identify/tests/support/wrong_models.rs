@@ -203,6 +203,10 @@ fn measured(
     let mut truth = Truth::of(document, &peaks, &[("/method/cell_m", cell.as_str())]);
     truth.near_hz = natural;
     truth.with_damping = true;
+    if kind == "friction" {
+        // Ends of slip at a step of 20 us move the frequency by 4e-4.
+        truth.scenario["method"] = json!({"kind": "modal"});
+    }
     let hits = truth.measured(&sensors);
     // An analysis of the signed response shows the fundamental where the receptance has its lines.
     let places: Vec<f64> = hits[..HITS]
