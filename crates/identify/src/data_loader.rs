@@ -65,7 +65,12 @@ impl Loader<'_> {
                     let response = ChannelSelector::from(response.as_str());
                     options.responses = ResponseChoice::of(&[response]);
                 }
-                for hit in records::hits(&files, &options, *band_hz)? {
+                let (hits, left_out) = records::hits(&files, &options, *band_hz)?;
+                if !left_out.is_empty() {
+                    let words = format!("{name}: left out {}", left_out.join(", "));
+                    self.built.notices.push(words);
+                }
+                for hit in hits {
                     let simulated = self.add_recorded_hit(&place, &name, set, &hit)?;
                     self.receptance(&place, &name, simulated, &hit.lines, |noise| SpreadSpec {
                         absolute: spread.absolute.hypot(noise),

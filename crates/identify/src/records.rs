@@ -83,38 +83,47 @@ fn in_place(record: &RecordSpec) -> Record {
     Record { channels: channels.collect(), ..Record::default() }
 }
 
-/// The valid hits of some records, with their receptances in a band \[Hz\].
+/// The valid hits of some records, with their receptances in a band \[Hz\], and words about each of the others.
 pub(super) fn hits(
     files: &[MeasurementSource],
     options: &AnalysisOptions,
     band: [f64; 2],
-) -> Result<Vec<RecordedHit>, IdentificationError> {
-    let mut found = Vec::new();
+) -> Result<(Vec<RecordedHit>, Vec<String>), IdentificationError> {
+    let (mut found, mut left_out, mut number) = (Vec::new(), Vec::new(), 0);
     for_each_hit(files, options, &mut |hit, kinds| {
-        let first = kinds.first();
-        found.extend(first.and_then(|kind| recorded(hit, *kind, band)));
+        number += 1;
+        let Some(kind) = kinds.first() else { return };
+        match recorded(hit, *kind, band) {
+            Ok(hit) => found.push(hit),
+            Err(why) => left_out.push(format!("hit {number} ({why})")),
+        }
     })?;
     if found.is_empty() {
         return Err(IdentificationError::File {
             path: files.first().map(|file| file.name().to_owned()).unwrap_or_default(),
-            problem: "no valid hit was found".to_owned(),
+            problem: match &left_out[..] {
+                [] => "no hit was found".to_owned(),
+                all => format!("no valid hit was found: {}", all.join(", ")),
+            },
             expected: "records with hits that are neither double nor overloaded",
         });
     }
-    Ok(found)
+    Ok((found, left_out))
 }
 
-/// The hit, if it is valid.
-fn recorded(mut hit: HitRecord, route: ResponseKind, band: [f64; 2]) -> Option<RecordedHit> {
+/// The hit if it is valid, or why it is not.
+fn recorded(
+    mut hit: HitRecord,
+    route: ResponseKind,
+    band: [f64; 2],
+) -> Result<RecordedHit, String> {
     let rate = hit.sample_rate_hz;
-    if quality_issues(&hit, &QualityOptions::default())
-        .iter()
-        .any(asperity_signal::QualityIssue::is_disqualifying)
-    {
-        return None;
+    let issues = quality_issues(&hit, &QualityOptions::default());
+    if let Some(issue) = issues.iter().find(|issue| issue.is_disqualifying()) {
+        return Err(issue.to_string());
     }
-    let force = force_of(&mut hit)?;
-    let response = hit.responses.first()?;
+    let force = force_of(&mut hit).ok_or("no pulse of the force")?;
+    let response = hit.responses.first().ok_or("no response")?;
     let duration_s = hit.force.len() as f64 / rate;
     let spacing = (1.0 / duration_s).max((band[1] - band[0]) / MAX_LINES);
     let count = ((band[1] - band[0]) / spacing).floor() as usize + 1;
@@ -133,7 +142,7 @@ fn recorded(mut hit: HitRecord, route: ResponseKind, band: [f64; 2]) -> Option<R
     });
     let lines = lines.filter(|line| line.value.is_finite()).collect();
     let (time_s, force_n) = force;
-    Some(RecordedHit { time_s, force_n, duration_s, lines })
+    Ok(RecordedHit { time_s, force_n, duration_s, lines })
 }
 
 /// Times \[s\] from the first sample of a hit to the end of its pulse, and the force there \[N\]; in the hit the
@@ -159,4 +168,46 @@ pub(super) fn force_of(hit: &mut HitRecord) -> Option<(Vec<f64>, Vec<f64>)> {
 /// Factor from the transform of the response to the transform of the displacement.
 fn to_displacement(route: ResponseKind, frequency_hz: f64) -> Complex64 {
     Complex64::new(0.0, TAU * frequency_hz).powi(-route.derivatives())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+    use super::*;
+
+    /// Three hits of a mode at 300 Hz a second apart, the second with two impacts: it is left out in words.
+    #[test]
+    fn a_hit_that_is_left_out_is_named() {
+        let (rate, omega) = (10_000.0, TAU * 300.0);
+        let (mut u, mut v) = (0.0, 0.0);
+        let mut sample = |n: usize| {
+            let time = n as f64 / rate;
+            let pulse = |at: f64| {
+                let since = (time - at) / 2e-3;
+                if (0.0..1.0).contains(&since) { 20.0 * (since * TAU / 2.0).sin() } else { 0.0 }
+            };
+            let force: f64 = [0.1, 1.1, 1.12, 2.1].map(pulse).iter().sum();
+            let acceleration = force - 0.04 * omega * v - omega * omega * u;
+            v += acceleration / rate;
+            u += v / rate;
+            (force, acceleration)
+        };
+        let (force, response): (Vec<f64>, Vec<f64>) = (0..30_000).map(&mut sample).unzip();
+        let channel = |name: &str, unit: &str, samples: Vec<f64>| Channel {
+            name: name.to_owned(),
+            quantity: ChannelQuantity::Unknown,
+            unit: ChannelUnit::of_text(unit),
+            abscissa: Abscissa::even_time(0.0, rate),
+            samples: Samples::Real(samples),
+            origin: Origin::default(),
+        };
+        let channels = vec![channel("force", "N", force), channel("top", "m/s^2", response)];
+        let records = vec![Record { channels, ..Record::default() }];
+        let source = MeasurementSource::Records { name: IN_PLACE.into(), records };
+        let (found, left_out) =
+            hits(&[source], &AnalysisOptions::default(), [200.0, 400.0]).unwrap();
+        assert_eq!((found.len(), left_out.len()), (2, 1), "{left_out:?}");
+        assert!(left_out[0].starts_with("hit 2 (double hit:"), "{left_out:?}");
+    }
 }
