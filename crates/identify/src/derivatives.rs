@@ -19,8 +19,9 @@ use crate::hit::{PreparedRig, SimulatedHit};
 use crate::observed_quantity::{HitOutcome, ObservedQuantity, PointOutcomes, backbone_of};
 use crate::scenario_model::ScenarioModel;
 use crate::stepped_sine::SweepStencil;
+use asperity_simulation::assemble::Interfaces as _;
 use asperity_simulation::error::SimulationError;
-use asperity_simulation::observables::free_from;
+use asperity_simulation::observables::{displacement_to_rest, free_from};
 use asperity_simulation::quantity::{Observable, Quantity};
 use asperity_simulation::sensitivity::{DerivativeTable, StaticStencil, with_laws_of};
 
@@ -150,7 +151,8 @@ impl ScenarioModel {
             .collect();
         let steps: Vec<f64> = neighbours.iter().map(|around| around.step).collect();
         let table = DerivativeTable::new(&rig.case, &found, &stencils)?;
-        let mut found = self.collected(hit, &table, &found, &steps);
+        let has_friction = rig.case.assembly.structure.has_friction();
+        let mut found = self.collected(hit, &table, (&found, has_friction), &steps);
         if simulation.tolerance.is_some() {
             // The derivatives are of equal steps; the values are to be the search's own.
             let backbone = std::mem::take(&mut found.outcome.backbone);
@@ -163,7 +165,7 @@ impl ScenarioModel {
         &self,
         hit: &SimulatedHit,
         table: &DerivativeTable,
-        found: &Sensitivity,
+        (found, has_friction): (&Sensitivity, bool),
         steps: &[f64],
     ) -> HitDerivatives {
         let interfaces = found.values.contacts.len();
@@ -174,21 +176,21 @@ impl ScenarioModel {
         };
         let rate = 1.0 / found.step;
         let count = found.values.displacement.len() - 1;
-        let transforms = |history: &StepHistory, frequency: f64| {
-            [&history.displacement, &history.force]
-                .map(|samples| transform_at(&samples[..count], rate, frequency))
+        let transforms = |history: &StepHistory| -> Vec<[Complex64; 2]> {
+            let displacement = displacement_to_rest(&history.displacement[..count], has_friction);
+            let signals = [&displacement[..], &history.force[..count]];
+            let at = |&f: &f64| signals.map(|samples| transform_at(samples, rate, f));
+            hit.frequencies.iter().map(at).collect()
         };
-        let at_frequencies: Vec<[Complex64; 2]> =
-            hit.frequencies.iter().map(|&f| transforms(&found.values, f)).collect();
+        let at_frequencies = transforms(&found.values);
         let outcome = HitOutcome {
             columns: gather(&|place| table.values[place]),
             receptance: at_frequencies.iter().map(|&[u, f]| u / f).collect(),
             backbone: Vec::new(),
         };
         let derivatives = found.derivatives.iter().enumerate().map(|(parameter, history)| {
-            let pairs = hit.frequencies.iter().zip(&at_frequencies);
-            let receptance = pairs.map(|(&f, &[response, force])| {
-                let [d_response, d_force] = transforms(history, f);
+            let pairs = transforms(history).into_iter().zip(&at_frequencies);
+            let receptance = pairs.map(|([d_response, d_force], &[response, force])| {
                 (d_response - response / force * d_force) / force
             });
             HitOutcome {

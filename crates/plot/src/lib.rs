@@ -22,7 +22,7 @@
 //! ```
 //! # use asperity_scenario::Document;
 //! let scenario = Document::read("../simulation/examples/block.json")?.scenario()?;
-//! let tables = asperity_simulation::tabulate(&scenario)?;
+//! let tables = asperity_simulation::ScenarioLaws::of_bars(&scenario)?.tables()?;
 //! let svg = asperity_plot::laws(&tables).to_svg();
 //! assert!(svg.contains("Contact stiffness"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -7,7 +7,8 @@ use asperity_law::{
     ContactLaw, InSeriesSpec, LawError, LawRef, LawSpec, Laws, MAX_SERIES_DEPTH, fit_power as fit,
 };
 use asperity_scenario::{Document, schema_of};
-use asperity_simulation::laws::{scenario_laws, tabulate as tables_of};
+use asperity_simulation::error::SimulationError;
+use asperity_simulation::laws::ScenarioLaws;
 use asperity_simulation::record::law_columns;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -322,12 +323,17 @@ pub(crate) fn laws<'py>(
     py: Python<'py>,
     scenario: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let scenario = PyScenario::of(scenario, None)?.bars()?;
-    let found = scenario_laws(&scenario).map_err(|error| exception::of_study(py, &error))?;
+    let PyScenario { document, scenario } = PyScenario::of(scenario, None)?;
+    let of_scenario = move |_: &_| {
+        let all = ScenarioLaws::of(&scenario, document.folder())?;
+        Ok::<_, SimulationError>((all.built()?, all.laws))
+    };
+    let (found, laws) =
+        background::run(py, None, of_scenario)?.map_err(|error| exception::of_study(py, &error))?;
     let dict = PyDict::new(py);
     for one in found {
-        let Some(spec) = scenario.laws.get(&one.name) else { continue };
-        let spec = resolved(spec, &scenario.laws, MAX_SERIES_DEPTH);
+        let Some(spec) = laws.get(&one.name) else { continue };
+        let spec = resolved(spec, &laws, MAX_SERIES_DEPTH);
         let reference_pa = (one.static_pressure_pa > 0.0).then_some(one.static_pressure_pa);
         dict.set_item(one.name, PyLaw { spec, reference_pa, law: one.law })?;
     }
@@ -356,9 +362,10 @@ pub(crate) fn tabulate<'py>(
     py: Python<'py>,
     scenario: &Bound<'py, PyAny>,
 ) -> PyResult<(Bound<'py, PyDict>, Option<PyFigure>)> {
-    let scenario = PyScenario::of(scenario, None)?.bars()?;
-    let tables = background::run(py, None, move |_| tables_of(&scenario))?
-        .map_err(|error| exception::of_study(py, &error))?;
+    let PyScenario { document, scenario } = PyScenario::of(scenario, None)?;
+    let of_scenario = move |_: &_| ScenarioLaws::of(&scenario, document.folder())?.tables();
+    let tables =
+        background::run(py, None, of_scenario)?.map_err(|error| exception::of_study(py, &error))?;
     let figure = (!tables.is_empty()).then(|| PyFigure::from(asperity_plot::laws(&tables)));
     let dict = PyDict::new(py);
     for table in &tables {

@@ -3,7 +3,7 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
-use asperity_scenario::{AnyScenario, Document, Scenario};
+use asperity_scenario::{AnyScenario, Document};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyMapping, PyString};
@@ -55,16 +55,6 @@ impl PyScenario {
         }
         let accepted = "a path, JSON text, a dict or a Scenario";
         Self::checked(source.py(), json::document_of(source, folder, "scenario", accepted)?)
-    }
-
-    /// The scenario, if it is one of bars.
-    pub(crate) fn bars(self) -> PyResult<Scenario> {
-        match self.scenario {
-            AnyScenario::Bars(bars) => Ok(*bars),
-            AnyScenario::Structure(_) => Err(PyValueError::new_err(
-                "the scenario is a structure of matrices; accepted here: bars",
-            )),
-        }
     }
 }
 

@@ -3,6 +3,7 @@
 use asperity_figure::Figure;
 use asperity_plot::MagnitudeAxis;
 use asperity_scenario::AnyScenario;
+use asperity_simulation::assemble::Interfaces;
 use asperity_simulation::error::SimulationError;
 use asperity_simulation::patches::simulate_patches;
 use asperity_simulation::record::{frf_columns, history_columns};
@@ -30,7 +31,7 @@ struct Found {
 }
 
 impl Found {
-    fn new<S>(run: &Run<S>, summary: Value) -> Result<Self, SimulationError> {
+    fn new<S: Interfaces>(run: &Run<S>, summary: Value) -> Result<Self, SimulationError> {
         let columns = history_columns(run).into_iter();
         let columns = columns.map(|(name, values)| (name, values.into_owned())).collect();
         let frf = receptance(run, 0)?.zip(frf_columns(run)?).map(|(frf, columns)| {

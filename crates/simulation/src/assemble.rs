@@ -51,11 +51,20 @@ pub struct Sensor {
 pub trait Interfaces {
     /// The interfaces, in the order of the results.
     fn interfaces(&self) -> &[PreloadedContact];
+
+    /// True if friction may hold the structure away from its equilibrium.
+    fn has_friction(&self) -> bool {
+        false
+    }
 }
 
 impl<M> Interfaces for PreloadedStructure<M> {
     fn interfaces(&self) -> &[PreloadedContact] {
         self.contacts()
+    }
+
+    fn has_friction(&self) -> bool {
+        self.friction().is_some()
     }
 }
 

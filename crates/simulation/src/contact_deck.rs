@@ -3,10 +3,10 @@
 mod text;
 
 use asperity_law::{BeyondTable, OverclosureTable, TableAccuracy};
-use asperity_scenario::{LawRef, Scenario};
+use asperity_scenario::LawRef;
 
 use crate::error::SimulationError;
-use crate::laws::{static_pressures, usual_top};
+use crate::laws::{ScenarioLaws, usual_top};
 
 pub use text::deck;
 
@@ -94,30 +94,29 @@ pub struct ContactTable {
     pub carries_tension: bool,
 }
 
-/// The tables of all contacts of `scenario`, and of the laws that no interface uses.
+/// The tables of all contacts of a scenario, and of the laws that no interface uses.
 ///
 /// Each contact has a table of its own, of at most `rows` rows, exact at its static pressure. The
 /// tables end at the pressure `top` \[Pa\]; without one, at 1 MPa, or at twice the static pressure or
 /// the last point of the law if that is higher.
 ///
 /// # Errors
-/// [`SimulationError`] when a law or a body cannot be built, or a static pressure is not below `top`.
+/// [`SimulationError`] when a law cannot be built, or a static pressure is not below `top`.
 pub fn contact_tables(
-    scenario: &Scenario,
+    scenario: &ScenarioLaws,
     rows: usize,
     top: Option<f64>,
 ) -> Result<Vec<ContactTable>, SimulationError> {
-    let at_rest = static_pressures(scenario)?;
-    let contacts = scenario.interfaces.iter().zip(&at_rest);
-    let contacts = contacts.map(|(interface, &pressure)| {
-        (Some(interface.name.as_str()), interface.law.clone(), pressure)
+    let contacts = scenario.contacts.iter().map(|contact| {
+        (Some(contact.interface.as_str()), contact.law.clone(), contact.static_pressure_pa)
     });
     let is_used = |name: &str| {
         let used = |law: &LawRef| matches!(law, LawRef::Named(used) if used == name);
-        scenario.interfaces.iter().any(|interface| used(&interface.law))
+        scenario.contacts.iter().any(|contact| used(&contact.law))
     };
+    let first = scenario.contacts.first().map_or(0.0, |contact| contact.static_pressure_pa);
     let unused = scenario.laws.names().filter(|name| !is_used(name));
-    let unused = unused.map(|name| (None, LawRef::Named(name.to_owned()), at_rest[0]));
+    let unused = unused.map(|name| (None, LawRef::Named(name.to_owned()), first));
     let mut tables: Vec<ContactTable> = Vec::new();
     for (interface, reference, pressure) in contacts.chain(unused) {
         let failed = |source| SimulationError::Law {

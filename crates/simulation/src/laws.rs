@@ -5,10 +5,12 @@ use std::sync::Arc;
 
 use asperity_law::{ContactLaw, PowerFit, fit_power};
 use asperity_mesh::Body;
-use asperity_scenario::{LawRef, Laws, Scenario, read_text};
+use asperity_scenario::{AnyScenario, LawRef, Laws, Scenario, StructureScenario, read_text};
 
 use crate::assemble::body;
 use crate::error::{FitTableError, FitTableFault, SimulationError};
+use crate::patches::assemble_patches;
+use crate::static_state::StaticSummary;
 
 /// Rows of a tabulated law.
 const ROWS: usize = 501;
@@ -34,34 +36,24 @@ pub struct LawTable {
     pub energy: Vec<f64>,
 }
 
-/// Tabulates every named law of `scenario`, from zero pressure to at least 1 MPa.
-///
-/// The rows crowd towards zero pressure, where the laws differ most: row `i`
-/// of `n` lies at `(i / n)^2` of the top. A law that never separates counts its
-/// closure from the static pressure of the first interface that uses it, and
-/// its table starts above zero pressure, where its closure is finite.
-///
-/// # Errors
-/// [`SimulationError`] when a law or a body cannot be built.
-///
-/// ```
-/// # use asperity_scenario::Document;
-/// # use asperity_simulation::laws::tabulate;
-/// let document = Document::read("examples/block.json")?;
-/// let tables = tabulate(&document.scenario()?)?;
-/// let last = tables[0].pressure.len() - 1;
-/// assert_eq!(tables[0].pressure[last], 1e6);
-/// assert!((tables[0].stiffness[last] / (1.8e10 * 1e6_f64.powf(0.35)) - 1.0).abs() < 1e-12);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn tabulate(scenario: &Scenario) -> Result<Vec<LawTable>, SimulationError> {
-    let _stage = tracing::info_span!("tabulate").entered();
-    let tables = scenario_laws(scenario)?.into_iter().map(|one| {
-        let reference = LawRef::Named(one.name.clone());
-        let top = usual_top(&scenario.laws, &reference, one.static_pressure_pa);
-        table(&one.name, &one.law, top)
-    });
-    Ok(tables.collect())
+/// The laws of a scenario, and its contacts at rest.
+#[derive(Debug, Clone)]
+pub struct ScenarioLaws {
+    /// The named laws.
+    pub laws: Laws,
+    /// The contacts, in the order of the results.
+    pub contacts: Vec<ContactLawAtRest>,
+}
+
+/// The law of a contact, and its pressure at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactLawAtRest {
+    /// Name of the interface.
+    pub interface: String,
+    /// Its law.
+    pub law: LawRef,
+    /// Static pressure \[Pa\]; of a patch the mean over its area.
+    pub static_pressure_pa: f64,
 }
 
 /// A named law of a scenario.
@@ -75,30 +67,101 @@ pub struct ScenarioLaw {
     pub law: Arc<dyn ContactLaw>,
 }
 
-/// Builds every named law of `scenario`, in its order.
-///
-/// # Errors
-/// [`SimulationError`] when a law or a body cannot be built.
-pub fn scenario_laws(scenario: &Scenario) -> Result<Vec<ScenarioLaw>, SimulationError> {
-    let at_rest = static_pressures(scenario)?;
-    let built = scenario.laws.names().map(|name| {
-        let reference = LawRef::Named(name.to_owned());
-        let used = scenario.interfaces.iter().position(|interface| interface.law == reference);
-        let pressure_pa = at_rest[used.unwrap_or_default()];
-        let law = scenario.laws.build(&reference, pressure_pa).map_err(|source| {
-            let interface = used.map(|at| scenario.interfaces[at].name.clone());
-            SimulationError::Law { law: name.to_owned(), interface, pressure_pa, source }
-        })?;
-        Ok(ScenarioLaw { name: name.to_owned(), static_pressure_pa: pressure_pa, law })
-    });
-    built.collect()
-}
+impl ScenarioLaws {
+    /// The laws of a stack of bars, and its contacts under the weight of the bodies above.
+    ///
+    /// # Errors
+    /// [`SimulationError`] when a body cannot be built.
+    pub fn of_bars(scenario: &Scenario) -> Result<Self, SimulationError> {
+        let bodies = scenario.bodies.iter().map(body).collect::<Result<Vec<Body>, _>>()?;
+        let areas = scenario.interfaces.iter().map(|interface| interface.area_m2);
+        let pressures = asperity_mesh::static_pressures(&bodies, areas, scenario.gravity_m_per_s2);
+        let interfaces = scenario.interfaces.iter().map(|one| (&one.name, &one.law));
+        Ok(Self::new(&scenario.laws, interfaces, pressures))
+    }
 
-/// Pressure \[Pa\] at each interface under the weight of the bodies above.
-pub(crate) fn static_pressures(scenario: &Scenario) -> Result<Vec<f64>, SimulationError> {
-    let bodies = scenario.bodies.iter().map(body).collect::<Result<Vec<Body>, _>>()?;
-    let areas = scenario.interfaces.iter().map(|interface| interface.area_m2);
-    Ok(asperity_mesh::static_pressures(&bodies, areas, scenario.gravity_m_per_s2))
+    /// The laws of a scenario whose files are in `folder`.
+    ///
+    /// # Errors
+    /// [`SimulationError`] when a body or a structure cannot be built.
+    pub fn of(scenario: &AnyScenario, folder: &Path) -> Result<Self, SimulationError> {
+        match scenario {
+            AnyScenario::Bars(bars) => Self::of_bars(bars),
+            AnyScenario::Structure(structure) => {
+                let assembly = assemble_patches(structure, folder)?;
+                Ok(Self::of_structure(structure, &assembly.structure.at_rest()))
+            }
+        }
+    }
+
+    /// The laws of a structure given by matrices, and its patches at rest.
+    pub fn of_structure(scenario: &StructureScenario, at_rest: &StaticSummary) -> Self {
+        let interfaces = scenario.interfaces.iter().map(|one| (&one.name, &one.law));
+        let pressures = at_rest.interfaces.iter().map(|patch| patch.pressure_pa);
+        Self::new(&scenario.laws, interfaces, pressures)
+    }
+
+    fn new<'a>(
+        laws: &Laws,
+        interfaces: impl Iterator<Item = (&'a String, &'a LawRef)>,
+        pressures: impl IntoIterator<Item = f64>,
+    ) -> Self {
+        let contact = |((interface, law), static_pressure_pa): ((&String, &LawRef), f64)| {
+            let (interface, law) = (interface.clone(), law.clone());
+            ContactLawAtRest { interface, law, static_pressure_pa }
+        };
+        Self { laws: laws.clone(), contacts: interfaces.zip(pressures).map(contact).collect() }
+    }
+
+    /// Builds every named law, in the order of the scenario.
+    ///
+    /// # Errors
+    /// [`SimulationError`] when a law cannot be built.
+    pub fn built(&self) -> Result<Vec<ScenarioLaw>, SimulationError> {
+        let built = self.laws.names().map(|name| {
+            let reference = LawRef::Named(name.to_owned());
+            let used = self.contacts.iter().find(|contact| contact.law == reference);
+            let pressure_pa = used
+                .or_else(|| self.contacts.first())
+                .map_or(0.0, |contact| contact.static_pressure_pa);
+            let law = self.laws.build(&reference, pressure_pa).map_err(|source| {
+                let interface = used.map(|contact| contact.interface.clone());
+                SimulationError::Law { law: name.to_owned(), interface, pressure_pa, source }
+            })?;
+            Ok(ScenarioLaw { name: name.to_owned(), static_pressure_pa: pressure_pa, law })
+        });
+        built.collect()
+    }
+
+    /// Tabulates every named law, from zero pressure to at least 1 MPa.
+    ///
+    /// The rows crowd towards zero pressure, where the laws differ most: row `i`
+    /// of `n` lies at `(i / n)^2` of the top. A law that never separates counts its
+    /// closure from the static pressure of the first interface that uses it, and
+    /// its table starts above zero pressure, where its closure is finite.
+    ///
+    /// # Errors
+    /// [`SimulationError`] when a law cannot be built.
+    ///
+    /// ```
+    /// # use asperity_scenario::Document;
+    /// # use asperity_simulation::laws::ScenarioLaws;
+    /// let document = Document::read("examples/block.json")?;
+    /// let tables = ScenarioLaws::of_bars(&document.scenario()?)?.tables()?;
+    /// let last = tables[0].pressure.len() - 1;
+    /// assert_eq!(tables[0].pressure[last], 1e6);
+    /// assert!((tables[0].stiffness[last] / (1.8e10 * 1e6_f64.powf(0.35)) - 1.0).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn tables(&self) -> Result<Vec<LawTable>, SimulationError> {
+        let _stage = tracing::info_span!("tabulate").entered();
+        let tables = self.built()?.into_iter().map(|one| {
+            let reference = LawRef::Named(one.name.clone());
+            let top = usual_top(&self.laws, &reference, one.static_pressure_pa);
+            table(&one.name, &one.law, top)
+        });
+        Ok(tables.collect())
+    }
 }
 
 /// Highest pressure \[Pa\] of the table of a law.

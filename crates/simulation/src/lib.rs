@@ -52,7 +52,7 @@ pub mod summary;
 pub mod sweep;
 pub mod warning;
 
-pub use laws::{fit, tabulate};
+pub use laws::{ScenarioLaws, fit};
 pub use patches::simulate_patches;
 pub use run::{simulate, simulate_with_progress};
 pub use sensitivity::sensitivities;

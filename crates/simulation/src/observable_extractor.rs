@@ -1,5 +1,6 @@
 //! From the decimated records of many hits to their observables.
 
+use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::{CaseResponse, Decimation, TransientCase};
@@ -9,10 +10,11 @@ use asperity_signal::{
 };
 use asperity_structure::LoadCase;
 
+use crate::assemble::Interfaces as _;
 use crate::error::SimulationError;
 use crate::observables::Observables;
 use crate::prepared_scenario::PreparedScenario;
-use crate::response_parts::{ResponseParts, free_from, frequency_response};
+use crate::response_parts::{ResponseParts, free_from, frequency_response, passage_to_rest};
 
 /// Forces kept at a time.
 const MOST_KEPT: usize = 32;
@@ -45,6 +47,8 @@ struct DecimatedForce {
     shared: Option<SharedForce>,
     /// Place in the decimated samples from which on there is no force.
     free: f64,
+    /// The [passage to rest](passage_to_rest) of unit height, decimated; empty without friction.
+    passage: Vec<f64>,
 }
 
 impl ObservableExtractor {
@@ -84,8 +88,10 @@ impl ObservableExtractor {
         }
         let (shape, factor) = (hit.load.with_amplitude(1.0), hit.load.amplitude());
         let mut forces = self.forces.lock().unwrap_or_else(PoisonError::into_inner);
+        let has_friction = hit.model.preloaded().has_friction();
         let same = |force: &&Arc<DecimatedForce>| {
             (force.step, force.steps) == (record.step, record.steps)
+                && (!has_friction || !force.passage.is_empty())
                 && Arc::ptr_eq(&force.decimation, &record.decimation)
                 && force.shape.is_like(&shape)
         };
@@ -98,8 +104,14 @@ impl ObservableExtractor {
         let filters = self.filters.lock().unwrap_or_else(PoisonError::into_inner);
         let filter = filters.iter().find(|f| Arc::ptr_eq(&f.decimation, &record.decimation))?;
         let delay = filter.decimator.taps().len() / 2;
-        let mut decimated = filter.decimator.apply(&samples, &(0..samples.len()));
-        decimated.truncate(record.displacement.len());
+        let decimate = |samples: &[f64]| {
+            let mut decimated = filter.decimator.apply(samples, &(0..samples.len()));
+            decimated.truncate(record.displacement.len());
+            decimated
+        };
+        let decimated = decimate(&samples);
+        let passage =
+            if has_friction { decimate(&passage_to_rest(record.steps)) } else { Vec::new() };
         let rate = sample_rate(record);
         // The filter keeps frequencies up to this.
         let kept = rate / 4.4;
@@ -110,6 +122,7 @@ impl ObservableExtractor {
             steps: record.steps,
             decimation: Arc::clone(&record.decimation),
             samples: decimated,
+            passage,
             free: (free + delay) as f64 / filter.decimator.factor() as f64,
         });
         if forces.len() >= MOST_KEPT {
@@ -128,9 +141,9 @@ impl ObservableExtractor {
         frequencies: &[f64],
     ) -> Option<Vec<Complex64>> {
         let (force, factor) = self.force(hit, record)?;
-        let rate = sample_rate(record);
+        let (rate, displacement) = (sample_rate(record), force.to_rest(record));
         let at = |&frequency: &f64| {
-            let [response, force] = [&record.displacement, &force.samples]
+            let [response, force] = [&displacement[..], &force.samples[..]]
                 .map(|samples| transform_at(samples, rate, frequency));
             response / (factor * force)
         };
@@ -161,13 +174,15 @@ impl ObservableExtractor {
         let mut features = ReceptanceFeatures::default();
         let natural = prepared.at_rest.natural_frequency_hz;
         if let (Some(natural), Some((force, factor))) = (natural, self.force(hit, record)) {
-            let options = HarmonicOptions::default();
+            let (options, displacement) = (HarmonicOptions::default(), force.to_rest(record));
             let shared = force.shared.as_ref();
-            let found =
-                shared.and_then(|s| s.analyse(&record.displacement, factor, natural, &options));
+            let found = shared.and_then(|s| s.analyse(&displacement, factor, natural, &options));
             let found = match found {
                 Some(found) => found,
-                None => force.analyse_exactly(factor, record, natural, &options)?,
+                None => {
+                    let rate = sample_rate(record);
+                    force.analyse_exactly(factor, (&displacement, rate), natural, &options)?
+                }
             };
             // From the sample before the end of the force on.
             let decay = record.displacement.get(force.free as usize..).unwrap_or_default();
@@ -190,21 +205,37 @@ fn sample_rate(record: &CaseResponse) -> f64 {
 }
 
 impl DecimatedForce {
+    /// The displacement of a record less its passage to rest, as [`displacement_to_rest`]; the last sample whose filter
+    /// is filled by the run shows the height.
+    ///
+    /// [`displacement_to_rest`]: crate::observables::displacement_to_rest
+    fn to_rest<'a>(&self, record: &'a CaseResponse) -> Cow<'a, [f64]> {
+        let last = record.steps.saturating_sub(1) / record.decimation.factor.max(1);
+        let (Some(&reached), Some(&passed)) =
+            (record.displacement.get(last), self.passage.get(last))
+        else {
+            return Cow::Borrowed(&record.displacement);
+        };
+        let pairs = record.displacement.iter().zip(&self.passage);
+        Cow::Owned(pairs.map(|(u, passage)| u - reached / passed * passage).collect())
+    }
+
     /// The part of a record after the force.
     fn decay<'a>(&self, record: &'a CaseResponse) -> &'a [f64] {
         record.displacement.get(self.free.ceil() as usize..).unwrap_or_default()
     }
 
-    /// The features of a record whose spectrum cannot be interpolated, for a force of this factor.
+    /// The features of a displacement at a rate \[Hz\] whose spectrum cannot be interpolated, for a force of this
+    /// factor.
     fn analyse_exactly(
         &self,
         factor: f64,
-        record: &CaseResponse,
+        (displacement, rate): (&[f64], f64),
         natural: f64,
         options: &HarmonicOptions,
     ) -> Result<ReceptanceFeatures, SignalError> {
         let force: Vec<f64> = self.samples.iter().map(|force| factor * force).collect();
-        let response = frequency_response(&force, &record.displacement, sample_rate(record))?;
+        let response = frequency_response(&force, displacement, rate, false)?;
         Ok(response
             .map(|response| ReceptanceFeatures::of(&response, natural, options))
             .unwrap_or_default())

@@ -8,8 +8,8 @@ use crate::accuracy::ErrorEstimate;
 use crate::assemble::{Assembly, Interfaces};
 use crate::error::SimulationError;
 use crate::quantity::{Observable, Quantity, Values};
-pub use crate::response_parts::free_from;
 use crate::response_parts::{ResponseParts, frequency_response};
+pub use crate::response_parts::{displacement_to_rest, free_from};
 use crate::static_state::StaticSummary;
 use crate::warning::Warning;
 
@@ -52,7 +52,12 @@ impl Observables {
         let displacement = &history.sensors[sensor].displacement;
         let mut features = ReceptanceFeatures::default();
         if let Some(natural) = at_rest.natural_frequency_hz
-            && let Some(response) = frequency_response(&history.load, displacement, rate)?
+            && let Some(response) = frequency_response(
+                &history.load,
+                displacement,
+                rate,
+                assembly.structure.has_friction(),
+            )?
         {
             let free = free_from(&history.load, assembly.load.peak());
             let decay = displacement.get(free..).unwrap_or_default();

@@ -9,6 +9,7 @@ use asperity_signal::Frf;
 use asperity_structure::SensorKind;
 use asperity_table::columns_to_csv;
 
+use crate::assemble::Interfaces;
 use crate::error::SimulationError;
 use crate::laws::LawTable;
 use crate::modes::LinearisedModes;
@@ -114,7 +115,7 @@ pub type FrfColumns = Vec<(String, Vec<f64>)>;
 ///
 /// # Errors
 /// [`SimulationError::Signal`] when a response cannot be analysed.
-pub fn frf_columns<S>(run: &Run<S>) -> Result<Option<FrfColumns>, SimulationError> {
+pub fn frf_columns<S: Interfaces>(run: &Run<S>) -> Result<Option<FrfColumns>, SimulationError> {
     let mut columns = Vec::new();
     for (number, sensor) in run.assembly.sensors.iter().enumerate() {
         let Some(frf) = receptance(run, number)? else { return Ok(None) };

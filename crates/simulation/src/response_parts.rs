@@ -1,6 +1,8 @@
 //! The parts of a response that its quantities are read from.
 
 use asperity_dynamics::{ContactExtremes, ContactMeasures, EnergyLedger};
+use std::borrow::Cow;
+
 use asperity_signal::{FrequencyResponse, ReceptanceFeatures, SignalError};
 use asperity_structure::PreloadedContact;
 
@@ -107,13 +109,83 @@ pub fn free_from(force: &[f64], peak: f64) -> usize {
 
 /// Frequency response of samples at `rate` \[Hz\]: force \[N\] to displacement \[m\]; none without
 /// a force.
+///
+/// - `has_friction`: as for [`displacement_to_rest`].
 pub(crate) fn frequency_response(
     force: &[f64],
     displacement: &[f64],
     rate: f64,
+    has_friction: bool,
 ) -> Result<Option<FrequencyResponse>, SignalError> {
     if force.iter().all(|&force| force == 0.0) {
         return Ok(None);
     }
-    FrequencyResponse::from_displacement(force, displacement, rate).map(Some)
+    let displacement = displacement_to_rest(displacement, has_friction);
+    FrequencyResponse::from_displacement(force, &displacement, rate).map(Some)
+}
+
+/// The displacement less a smooth passage from zero to its last value over the record, where friction may hold
+/// a structure away from its equilibrium.
+///
+/// A response that stays at `u_T` after the record has the transform `U + u_T exp(-i w T) / (i w)`, which is also what
+/// velocity and acceleration give. The transform of the passage `s = x^3 (10 - 15 x + 6 x^2)`, `x = t/T`, kept after the
+/// record, is at most `120 / (w T)^3` of that of the jump: the displacement less the passage has the transform wanted,
+/// and ends at zero.
+pub fn displacement_to_rest(displacement: &[f64], has_friction: bool) -> Cow<'_, [f64]> {
+    let last = displacement.last().copied().unwrap_or(0.0);
+    if !has_friction || last == 0.0 {
+        return Cow::Borrowed(displacement);
+    }
+    let passage = passage_to_rest(displacement.len());
+    Cow::Owned(
+        displacement.iter().zip(passage).map(|(value, passed)| value - last * passed).collect(),
+    )
+}
+
+/// The passage `x^3 (10 - 15 x + 6 x^2)` from zero to one over `count` samples.
+pub(crate) fn passage_to_rest(count: usize) -> Vec<f64> {
+    let passed = |place: usize| {
+        let x = (place + 1) as f64 / count as f64;
+        x.powi(3) * (10.0 + x * (6.0 * x - 15.0))
+    };
+    (0..count).map(passed).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+    use std::f64::consts::TAU;
+
+    use asperity_signal::{Complex64, transform_at};
+
+    use super::*;
+
+    /// A decay to a displacement that remains, against the sum over all samples with the last one repeated for ever, a
+    /// geometric series.
+    #[test]
+    fn a_displacement_that_remains_is_kept_after_the_record() {
+        let (rate, count, rest) = (25_600.0, 3072, 0.02);
+        let displacement: Vec<f64> = (0..count)
+            .map(|n| {
+                let (time, phase) = (n as f64 / rate, TAU * 780.0 * n as f64 / rate);
+                let decay = (-250.0 * time).exp();
+                decay * phase.sin() + rest * (1.0 - decay)
+            })
+            .collect();
+        let mut force = vec![0.0; count];
+        force[..6].fill(1.0);
+        let [kept, cut] = [true, false]
+            .map(|kept| frequency_response(&force, &displacement, rate, kept).unwrap().unwrap());
+        for frequency in [700.0, 760.0, 830.0] {
+            let [within, of_force] =
+                [&displacement, &force].map(|samples| transform_at(samples, rate, frequency));
+            let turn = |samples: f64| Complex64::cis(-TAU * frequency * samples / rate);
+            let after = displacement[count - 1] * turn(count as f64) / (1.0 - turn(1.0)) / rate;
+            let exact = (within + after) / of_force;
+            let [kept, cut] = [&kept, &cut]
+                .map(|one| (one.receptance_at(frequency) - exact).norm() / exact.norm());
+            assert!(kept < 1e-6 && cut > 2e-3, "{frequency}: {kept} {cut}");
+        }
+    }
 }

@@ -10,7 +10,7 @@ use asperity_signal::{Complex64, Frf};
 use asperity_structure::PreloadedStructure;
 use tracing::info_span;
 
-use crate::assemble::Assembly;
+use crate::assemble::{Assembly, Interfaces};
 use crate::error::SimulationError;
 use crate::error_control::{ErrorControl, RunRequest};
 use crate::finite_differences::integrate;
@@ -123,10 +123,15 @@ fn converged(
 ///
 /// # Errors
 /// [`SimulationError::Signal`] when the response cannot be analysed.
-pub fn receptance<S>(run: &Run<S>, sensor: usize) -> Result<Option<Frf>, SimulationError> {
+pub fn receptance<S: Interfaces>(
+    run: &Run<S>,
+    sensor: usize,
+) -> Result<Option<Frf>, SimulationError> {
     let (history, rate) = (&run.transient.history, run.assembly.sampling.rate());
     let displacement = &history.sensors[sensor].displacement;
-    let Some(response) = frequency_response(&history.load, displacement, rate)? else {
+    let has_friction = run.assembly.structure.has_friction();
+    let Some(response) = frequency_response(&history.load, displacement, rate, has_friction)?
+    else {
         return Ok(None);
     };
     let mut frf = response.receptance(FRF_PADDING);

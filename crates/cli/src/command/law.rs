@@ -4,14 +4,15 @@ use std::path::Path;
 
 use asperity_law::{BeyondTable, OverclosureTable};
 use asperity_plot as plot;
-use asperity_scenario::Scenario;
+use asperity_scenario::{Document, Laws};
 use asperity_simulation::contact_deck::{
     ContactTable, DeckFormat, DeckUnits, contact_tables, deck,
 };
 use asperity_simulation::error::SimulationError;
 use asperity_simulation::gap_table::{ImportedLaw, import_gaps};
-use asperity_simulation::laws::{fit, tabulate};
+use asperity_simulation::laws::{ScenarioLaws, fit};
 use asperity_simulation::output::file_name::distinct_file_names;
+use asperity_simulation::patches::assemble_patches;
 use asperity_simulation::provenance::{InputFile, Provenance};
 use asperity_simulation::record::law_csv;
 use serde_json::{Value, json};
@@ -33,14 +34,14 @@ pub(crate) fn run(
     gaps: Option<&Path>,
 ) -> Result<(), Failure> {
     let document = super::read(input)?;
-    let mut scenario = super::checked(&document)?;
+    let Source { title, mut laws, mut provenance } = Source::of(&document)?;
     let imported = gaps.map(import_gaps).transpose().map_err(SimulationError::from)?;
     if let (Some(path), Some(law)) = (gaps, &imported) {
-        add_law(&mut scenario, path, law);
+        add_law(&mut laws.laws, path, law);
     }
-    let exported = Export::new(&scenario, export)?;
+    let exported = Export::new(&laws, export)?;
     let fitted = table.map(fit).transpose().map_err(SimulationError::from)?;
-    let tables = tabulate(&scenario)?;
+    let tables = laws.tables()?;
     let folder = ResultFolder::claim("law", document.path(), output)?;
     let file_names = distinct_file_names(tables.iter().map(|law| law.name.as_str()));
     for (law, name) in tables.iter().zip(&file_names) {
@@ -53,7 +54,7 @@ pub(crate) fn run(
         folder.write("imported-law.json", super::pretty(&json!(law.spec)))?;
     }
     if let Some(export) = &exported {
-        let text = deck(scenario.title.as_deref(), &export.tables, export.format, export.units);
+        let text = deck(title.as_deref(), &export.tables, export.format, export.units);
         folder.write(&export.file, text)?;
     }
     let fit_json = fitted.as_ref().map(|fit| {
@@ -66,7 +67,6 @@ pub(crate) fn run(
         })
     });
     let names: Vec<&str> = tables.iter().map(|law| law.name.as_str()).collect();
-    let mut provenance = Provenance::of_scenario(&document, &scenario)?;
     for table in table.into_iter().chain(gaps) {
         provenance.files.push(InputFile::read(Path::new(""), table)?);
     }
@@ -113,17 +113,44 @@ pub(crate) fn run(
     Ok(())
 }
 
+/// A scenario of bars or of matrices, as far as its laws need it.
+struct Source {
+    title: Option<String>,
+    laws: ScenarioLaws,
+    provenance: Provenance,
+}
+
+impl Source {
+    fn of(document: &Document) -> Result<Self, Failure> {
+        if document.has_matrices() {
+            let scenario = super::patches::checked(document)?;
+            let assembly = assemble_patches(&scenario, document.folder())?;
+            return Ok(Self {
+                laws: ScenarioLaws::of_structure(&scenario, &assembly.structure.at_rest()),
+                provenance: Provenance::of_structure(document, &scenario)?,
+                title: scenario.title,
+            });
+        }
+        let scenario = super::checked(document)?;
+        Ok(Self {
+            laws: ScenarioLaws::of_bars(&scenario)?,
+            provenance: Provenance::of_scenario(document, &scenario)?,
+            title: scenario.title,
+        })
+    }
+}
+
 /// Adds an imported law, named for its file.
-fn add_law(scenario: &mut Scenario, path: &Path, law: &ImportedLaw) {
+fn add_law(laws: &mut Laws, path: &Path, law: &ImportedLaw) {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let mut name = stem.clone();
     for number in 2.. {
-        if scenario.laws.get(&name).is_none() {
+        if laws.get(&name).is_none() {
             break;
         }
         name = format!("{stem}-{number}");
     }
-    scenario.laws.insert(name, law.spec.clone());
+    laws.insert(name, law.spec.clone());
 }
 
 /// The tables of the contacts for a finite-element code.
@@ -136,7 +163,7 @@ struct Export {
 
 impl Export {
     /// The tables that the options ask for; `None` without a format.
-    fn new(scenario: &Scenario, asked: &DeckExport) -> Result<Option<Self>, Failure> {
+    fn new(laws: &ScenarioLaws, asked: &DeckExport) -> Result<Option<Self>, Failure> {
         let (Some(format), Some(units)) = (asked.export, asked.deck_units) else {
             return Ok(None);
         };
@@ -146,7 +173,7 @@ impl Export {
         if !accepted.contains(&rows) {
             return Err(Failure::Rows { rows, code: format.name(), accepted });
         }
-        let tables = contact_tables(scenario, rows, asked.top_pressure)?;
+        let tables = contact_tables(laws, rows, asked.top_pressure)?;
         let file = format!("contacts-{name}.inp");
         Ok(Some(Self { format, units: units.into(), file, tables }))
     }

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use asperity_experiment::AnalysisError;
 use asperity_measure::{MeasureError, WriteOptions, write};
 use asperity_plot as plot;
+use asperity_simulation::assemble::Interfaces;
 use asperity_simulation::error::OutputError;
 use asperity_simulation::modes::ModesSummary;
 use asperity_simulation::record::{frf_columns, frf_csv, history_csv, measurement_record};
@@ -32,7 +33,7 @@ pub(super) fn with_percents<T>(quiet: bool, work: impl FnOnce(&(dyn Fn(f64) + Sy
 }
 
 /// Writes history, FRF and their figures, and the run as a measurement record.
-pub(super) fn write_run<S>(
+pub(super) fn write_run<S: Interfaces>(
     folder: &ResultFolder,
     run: &Run<S>,
     record: Option<RecordFormat>,

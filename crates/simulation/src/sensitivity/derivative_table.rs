@@ -5,9 +5,10 @@ use asperity_signal::{
     FrequencyResponse, HarmonicOptions, PeakSensitivity, ReceptanceFeatures, SignalError,
 };
 
+use crate::assemble::Interfaces as _;
 use crate::prepared_scenario::PreparedScenario;
 use crate::quantity::{Accessor, Observable};
-use crate::response_parts::{PeakValues, ResponseParts, frequency_response};
+use crate::response_parts::{PeakValues, ResponseParts, displacement_to_rest, frequency_response};
 use crate::static_state::StaticSummary;
 use crate::warning::Warning;
 
@@ -42,16 +43,18 @@ impl DerivativeTable {
         let count = found.values.displacement.len() - 1;
         let StepHistory { force, displacement, .. } = &found.values;
         let natural = prepared.at_rest.natural_frequency_hz;
+        let has_friction = prepared.assembly.structure.has_friction();
         let response = match natural {
             Some(_) => {
-                frequency_response(&force[..count], &displacement[..count], 1.0 / found.step)?
+                let (force, displacement) = (&force[..count], &displacement[..count]);
+                frequency_response(force, displacement, 1.0 / found.step, has_friction)?
             }
             None => None,
         };
         let (mut features, mut peaks) = (ReceptanceFeatures::default(), Vec::new());
         if let (Some(response), Some(natural)) = (&response, natural) {
             features = ReceptanceFeatures::of(response, natural, &HarmonicOptions::default());
-            peaks = peak_derivatives(response, &features, &found.derivatives);
+            peaks = peak_derivatives(response, &features, &found.derivatives, has_friction);
         }
         let contacts = &found.values.contacts;
         let parts = ResponseParts {
@@ -99,6 +102,7 @@ fn peak_derivatives(
     response: &FrequencyResponse,
     features: &ReceptanceFeatures,
     derivatives: &[StepHistory],
+    has_friction: bool,
 ) -> Vec<PeakValues> {
     let [first, second] = [features.harmonics.fundamental, features.harmonics.second];
     let of_first = first.map(|peak| PeakSensitivity::new(response, &peak, features.half_power));
@@ -106,7 +110,8 @@ fn peak_derivatives(
     let derivative = |history: &StepHistory| {
         // The state at the very end is beyond the samples.
         let count = history.displacement.len() - 1;
-        let (displacement, force) = (&history.displacement[..count], &history.force[..count]);
+        let displacement = displacement_to_rest(&history.displacement[..count], has_friction);
+        let (displacement, force) = (&displacement[..], &history.force[..count]);
         let change = |of: &Option<PeakSensitivity>| {
             let change = of.as_ref()?.peak(displacement, force);
             Some((change.frequency_hz, change.magnitude))
