@@ -4,7 +4,7 @@ mod report;
 
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
 use asperity_harmonic::{Branch, PeriodicResponse, SpecialPointKind};
-use asperity_simulation::steady::{Steady, TimeSweepPoint};
+use asperity_simulation::steady::{Steady, SteadyLevel, TimeSweepPoint};
 
 pub use report::steady_report;
 
@@ -13,15 +13,15 @@ use super::figure;
 /// Most force amplitudes in the legend.
 const MOST_NAMED: usize = 8;
 
-type Observable = fn(&PeriodicResponse) -> f64;
+type Observable = fn(&SteadyLevel, &PeriodicResponse) -> f64;
 
 /// Amplitude with backbones, displacement ratio, and lowest pressure over one range of frequencies, with
 /// the special points of each branch; none without a branch.
 pub fn steady(found: &Steady) -> Option<Figure> {
-    let branches: Vec<(f64, &Branch)> = found
+    let branches: Vec<(&SteadyLevel, &Branch)> = found
         .levels
         .iter()
-        .filter_map(|level| Some((level.force_n, level.outcome.as_ref().ok()?)))
+        .filter_map(|level| Some((level, level.outcome.as_ref().ok()?)))
         .collect();
     if branches.is_empty() {
         return None;
@@ -50,12 +50,12 @@ pub fn steady(found: &Steady) -> Option<Figure> {
         all(Panel::new(frequency, axis), &branches, found.unit(), observable)
     };
     let amplitude = Axis::linear("Amplitude u_{1}", "µm").scale(1e6);
-    let mut amplitude = panel(amplitude, |point| point.at_sensor(0, 1).norm());
+    let mut amplitude = panel(amplitude, |_, point| point.at_sensor(0, 1).norm());
     for (mut name, marker, rising) in SWEEPS {
         for sweep in found.time_sweeps.iter().filter(|sweep| sweep.rising == rising) {
             let points = sweep.outcome.as_ref().map_or(&[][..], |points| points);
             let (x, y) = some(points, usize::from(rising));
-            let level = branches.iter().position(|(force, _)| *force == sweep.force_n);
+            let level = branches.iter().position(|(level, _)| level.force_n == sweep.force_n);
             let color = level.map_or(Color::BLACK, |at| Color::ramp_step(at, branches.len()));
             let series = Series::points(std::mem::take(&mut name), x, y).color(color);
             let series = series.marker(marker).filled(true).marker_size(2.8);
@@ -63,38 +63,46 @@ pub fn steady(found: &Steady) -> Option<Figure> {
         }
     }
     for (name, branch, dash, width) in backbones {
-        let (x, y) = columns(&branch.points, |point| point.at_sensor(0, 1).norm());
+        let amplitude_1 = |point: &PeriodicResponse| point.at_sensor(0, 1).norm();
+        let (x, y) = columns(&branch.points, amplitude_1);
         // Both coincide but for small differences: the wider one is paler.
         let color = if width > 1.0 { Color::GREY.lighten(0.5) } else { Color::BLACK };
         let line = Series::line(name, x, y).color(color).dash(dash);
         amplitude = amplitude.series(line.width(width));
     }
-    let ratio = panel(Axis::linear("Ratio u_{2}/u_{1}", ""), |point| {
+    let ratio = panel(Axis::linear("Ratio u_{2}/u_{1}", ""), |_, point| {
         (point.at_sensor(0, 2) / point.at_sensor(0, 1)).norm()
     });
-    let pressure = panel(Axis::linear("Lowest pressure", "MPa").scale(1e-6), |point| {
-        point.pressures.iter().map(|range| range.lowest).fold(f64::INFINITY, f64::min)
+    let pressure = panel(Axis::linear("Lowest pressure", "MPa").scale(1e-6), |level, point| {
+        level.pressures(point).iter().map(|range| range.lowest).fold(f64::INFINITY, f64::min)
     });
     let panels = [amplitude, ratio.legend(Legend::None), pressure.legend(Legend::None)];
     figure("Steady responses", 1, 120.0, panels)
 }
 
-fn all(mut panel: Panel, branches: &[(f64, &Branch)], unit: &str, observable: Observable) -> Panel {
-    for (index, (force, branch)) in branches.iter().enumerate() {
+fn all(
+    mut panel: Panel,
+    branches: &[(&SteadyLevel, &Branch)],
+    unit: &str,
+    observable: Observable,
+) -> Panel {
+    for (index, (level, branch)) in branches.iter().enumerate() {
         let color = Color::ramp_step(index, branches.len());
-        let mut name = if index < MOST_NAMED { format!("{force} {unit}") } else { String::new() };
+        let mut name =
+            if index < MOST_NAMED { format!("{} {unit}", level.force_n) } else { String::new() };
         for (stable, points) in parts(&branch.points) {
-            let (x, y) = columns(points, observable);
+            let (x, y) = columns(points, |point| observable(level, point));
             let dash = if stable { Dash::Solid } else { Dash::Dashed };
             panel =
                 panel.series(Series::line(std::mem::take(&mut name), x, y).color(color).dash(dash));
         }
     }
     for mark in MARKS {
-        let at: Vec<&PeriodicResponse> =
-            branches.iter().flat_map(|(_, branch)| (mark.places)(branch)).collect();
-        let (x, y) = at.iter().map(|point| (point.frequency_hz(), observable(point))).unzip();
-        let (x, y): (Vec<f64>, Vec<f64>) = (x, y);
+        let at = branches.iter().flat_map(|(level, branch)| {
+            let points = (mark.places)(branch).into_iter();
+            points.map(move |point| (point.frequency_hz(), observable(level, point)))
+        });
+        let (x, y): (Vec<f64>, Vec<f64>) = at.unzip();
         if !x.is_empty() {
             let series = Series::points(mark.name, x, y).color(Color::BLACK).marker(mark.marker);
             panel = panel.series(series.filled(mark.filled).marker_size(4.5));
@@ -198,6 +206,9 @@ fn parts(points: &[PeriodicResponse]) -> Vec<(bool, &[PeriodicResponse])> {
     parts
 }
 
-fn columns(points: &[PeriodicResponse], observable: Observable) -> (Vec<f64>, Vec<f64>) {
+fn columns(
+    points: &[PeriodicResponse],
+    observable: impl Fn(&PeriodicResponse) -> f64,
+) -> (Vec<f64>, Vec<f64>) {
     points.iter().map(|point| (point.frequency_hz(), observable(point))).unzip()
 }

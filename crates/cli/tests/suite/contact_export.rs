@@ -1,6 +1,7 @@
 //! `asperity law --export`: the deck itself, and ccx run on it where it is installed.
 
 mod calculix;
+mod joint;
 
 use asperity_law::{ContactLaw, ModifiedPower};
 use serde_json::Value;

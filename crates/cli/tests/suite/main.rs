@@ -18,6 +18,7 @@ mod rough_surfaces;
 mod steady;
 mod streams;
 mod study;
+mod tutorial;
 mod watch;
 
 use std::path::{Path, PathBuf};

@@ -19,7 +19,7 @@ const MODULUS: f64 = 71e3;
 const DENSITY: f64 = 2.71e-9;
 
 /// Runs ccx on `deck` in `folder`; the text of its `.dat` file, or `None` where ccx is missing.
-fn ccx(folder: &Path, deck: &str) -> Option<String> {
+pub(super) fn ccx(folder: &Path, deck: &str) -> Option<String> {
     std::fs::write(folder.join("deck.inp"), deck).unwrap();
     let run = Command::new("ccx").args(["-i", "deck"]).current_dir(folder).output();
     let output = match run {
@@ -167,12 +167,17 @@ fn rig_in_ccx(folder: &Path) -> Option<f64> {
     deck += "*STEP,NLGEOM,INC=500\n*CONTROLS,PARAMETERS=FIELD\n1.E-6,1.E-6\n*STATIC\n1.,1.\n\
              *DLOAD\nEG,GRAV,9810.,0.,0.,-1.\nES,GRAV,9810.,0.,0.,-1.\n*END STEP\n\
              *STEP,PERTURBATION\n*FREQUENCY\n1\n*END STEP\n";
-    let dat = ccx(folder, &deck)?;
+    Some(frequencies(&ccx(folder, &deck)?)[0])
+}
+
+/// Natural frequencies \[Hz\] of a `.dat` file.
+pub(super) fn frequencies(dat: &str) -> Vec<f64> {
     // Mode, eigenvalue, rad/time, cycles/time, imaginary part.
     let output = dat.split_once("E I G E N V A L U E   O U T P U T").unwrap().1;
-    let mode = output.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
-    let mode = mode.into_iter().find(|fields| fields.first() == Some(&"1")).unwrap();
-    Some(mode[3].parse().unwrap())
+    let rows = output.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
+    let rows = rows.skip_while(|fields| fields.first() != Some(&"1"));
+    let rows = rows.take_while(|fields| fields.len() == 5);
+    rows.map(|fields| fields[3].parse().unwrap()).collect()
 }
 
 #[test]
