@@ -215,8 +215,7 @@ fn measured(
         .collect();
     truth.near_hz = places.iter().sum::<f64>() / places.len() as f64;
     let mut data = data(&hits[..HITS]);
-    // Differences of the engines and of the analysis; those with friction are larger, since windows of the
-    // analysis meet the end of the slip.
+    // Differences of the engines and of the analysis; those with friction are larger.
     let [frequency, receptance, ratio] =
         if kind == "friction" { [2e-4, 1e-3, 1e-2] } else { [2e-5, 3e-4, 5e-4] };
     data[0]["floor"] = json!({
