@@ -118,6 +118,21 @@ pub(crate) enum Command {
         #[arg(long, value_name = "N")]
         threads: Option<usize>,
     },
+    /// Serve a live page of the scenario to the browser of this machine: move its numbers, and see laws,
+    /// responses and steady branches drawn anew.
+    ///
+    /// Prints the address of the page, whose token keeps others out, and opens the browser where there is
+    /// one. Nothing is fetched from elsewhere. Ctrl-C ends it.
+    Explore {
+        #[command(flatten)]
+        input: Input,
+        /// Port of the address 127.0.0.1. Default: a free one.
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+        port: Option<u16>,
+        /// Print the address alone, and open no browser.
+        #[arg(long)]
+        no_browser: bool,
+    },
     /// Tabulate every law of the scenario: pressure, stiffness, closure, energy.
     ///
     /// Writes law-NAME.csv for each law, law.json and law.svg, and with --export contacts-FORMAT.inp.

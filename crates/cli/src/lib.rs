@@ -88,6 +88,9 @@ fn execute(args: &Args) -> Result<(), Failure> {
         Command::Steady { input, output, range, threads } => {
             command::steady::run(input, output, range, *threads, args.quiet)
         }
+        Command::Explore { input, port, no_browser } => {
+            command::explore::run(input, *port, *no_browser, args.quiet)
+        }
         Command::Law { input, output, export, fit, import_gaps } => {
             command::law::run(input, output, export, fit.as_deref(), import_gaps.as_deref())
         }

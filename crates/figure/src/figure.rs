@@ -67,6 +67,31 @@ impl Figure {
         self
     }
 
+    /// Draws the lines and points of another figure in grey below those of each panel with the same axis
+    /// labels, under `name` in the legend of the first; fixed ranges are widened to hold both.
+    ///
+    /// ```
+    /// use asperity_figure::{Axis, Figure, Panel, Series};
+    /// let drawn = |y: [f64; 2]| {
+    ///     let panel = Panel::new(Axis::linear("x", ""), Axis::linear("y", ""));
+    ///     Figure::new("now").panel(panel.series(Series::line("now", [0.0, 1.0], y)))
+    /// };
+    /// let both = drawn([1.0, 2.0]).over(&drawn([3.0, 4.0]), "before");
+    /// assert!(both.to_svg().contains("before"));
+    /// ```
+    #[must_use]
+    pub fn over(mut self, earlier: &Self, name: &str) -> Self {
+        let mut name = Some(name);
+        let mut others: Vec<&Panel> = earlier.panels.iter().collect();
+        for panel in &mut self.panels {
+            let Some(at) = others.iter().position(|other| panel.has_axes_of(other)) else {
+                continue;
+            };
+            panel.put_over(others.remove(at), name.take().unwrap_or_default());
+        }
+        self
+    }
+
     /// Checks that everything can be drawn.
     ///
     /// # Errors

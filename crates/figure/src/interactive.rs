@@ -12,6 +12,20 @@ use crate::{
 };
 use std::fmt::Write as _;
 
+/// The script that zooms interactive figures and shows their values at the pointer, as the top level of an ES
+/// module: `interactive(svg, data, id)` takes the `svg` element of a figure on the page, its parsed data and
+/// an identifier that is unique on the page. Values appear in an element of the class `tip`.
+pub const INTERACTIVE_SCRIPT: &str = include_str!("interactive.js");
+
+/// A figure that [`INTERACTIVE_SCRIPT`] zooms and reads out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct InteractiveFigure {
+    /// SVG text.
+    pub svg: String,
+    /// Points, axes and frames of its panels as JSON.
+    pub data: String,
+}
+
 /// Most points of a line: four a column.
 const COLUMNS: (usize, usize) = (400, 5000);
 /// Most columns of all lines of a panel.
@@ -45,7 +59,8 @@ fn panel(plot: &Plot<'_>) -> String {
         );
         format!(
             "{{\"low\":{low:e},\"high\":{high:e},\"log\":{log},\"exponent\":{exponent},\
-             \"label\":{},\"unit\":{},\"ticks\":{ticks}}}",
+             \"factor\":{:e},\"label\":{},\"unit\":{},\"ticks\":{ticks}}}",
+            axis.factor,
             quoted(&html(&axis.label)),
             quoted(&html(&axis.unit))
         )

@@ -3,7 +3,7 @@
 use crate::{
     Color, Figure, FigureError, Legend, Marker, Panel,
     frame::Frame,
-    interactive,
+    interactive::{self, InteractiveFigure},
     legend::LegendBlock,
     markup::PX_PER_MM,
     note, pdf,
@@ -29,9 +29,11 @@ impl Figure {
         self.drawn(Canvas::default()).0
     }
 
-    /// The figure as SVG text whose moving parts are grouped, and its points as JSON.
-    pub(crate) fn to_interactive(&self) -> (String, String) {
-        self.drawn(Canvas::grouped())
+    /// The figure for [`INTERACTIVE_SCRIPT`](crate::INTERACTIVE_SCRIPT): as SVG text whose moving parts are
+    /// grouped, and its points as JSON.
+    pub fn to_interactive(&self) -> InteractiveFigure {
+        let (svg, data) = self.drawn(Canvas::grouped());
+        InteractiveFigure { svg, data }
     }
 
     fn drawn(&self, mut canvas: Canvas) -> (String, String) {

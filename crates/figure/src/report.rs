@@ -4,6 +4,8 @@ mod embed;
 mod html;
 mod markdown;
 
+use crate::interactive::InteractiveFigure;
+
 /// Outcome of comparing a number with a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -200,7 +202,7 @@ impl Report {
         caption: impl Into<String>,
         figure: &crate::Figure,
     ) -> Self {
-        let (svg, data) = figure.to_interactive();
+        let InteractiveFigure { svg, data } = figure.to_interactive();
         self.with(ReportBlock::Figure { id: id.into(), caption: caption.into(), svg, data })
     }
 

@@ -18,11 +18,12 @@ const MOST_NAME: usize = 44;
 const MOST_POINTS: usize = 500;
 
 /// The quantities drawn; of several interfaces the least value counts.
-const DRAWN: [Quantity; 4] = [
+const DRAWN: [Quantity; 5] = [
     Quantity::FundamentalFrequency,
     Quantity::FundamentalReceptance,
     Quantity::HarmonicRatio,
     Quantity::PressureMin,
+    Quantity::StiffnessAverage,
 ];
 
 /// A panel per observable, a line per combination of the other variations in their order;

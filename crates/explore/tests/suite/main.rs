@@ -1,0 +1,6 @@
+//! The server as a browser sees it.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
+
+mod client;
+mod computed;
+mod guarded;
