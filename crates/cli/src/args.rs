@@ -132,6 +132,13 @@ pub(crate) enum Command {
         /// Print the address alone, and open no browser.
         #[arg(long)]
         no_browser: bool,
+        /// Folder for what the page saves, which is made then. Default: out/ and the name of the scenario's
+        /// file with -explore.
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Show the hits of this analysis beside the computed ones, with chi-square by feature.
+        #[arg(long, value_name = "ANALYSIS.json")]
+        data: Option<PathBuf>,
     },
     /// Tabulate every law of the scenario: pressure, stiffness, closure, energy.
     ///

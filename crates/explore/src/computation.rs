@@ -3,20 +3,24 @@
 use asperity_figure::Figure;
 use asperity_plot::{self as plot, VisitedRange, steady_words};
 use asperity_scenario::{AnyScenario, Document, LawRef, Scenario};
-use asperity_simulation::assemble::Assembly;
+use asperity_simulation::assemble::{Assembly, Interfaces};
 use asperity_simulation::error::SimulationError;
 use asperity_simulation::laws::tabulate;
+use asperity_simulation::output::file_name::distinct_file_names;
 use asperity_simulation::patches::{assemble_patches, simulate_patches};
 use asperity_simulation::provenance::Provenance;
+use asperity_simulation::record::{frf_columns, frf_csv, history_csv, law_csv};
 use asperity_simulation::run::{Run, receptance, simulate_with_progress};
 use asperity_simulation::static_state::StaticSummary;
 use asperity_simulation::steady::{
-    BodyModel, Shaken, Steady, SteadyRequest, SteadySummary, steady_with_progress,
+    BodyModel, Shaken, Steady, SteadyRequest, SteadySummary, backbone_table, steady_table,
+    steady_with_progress,
 };
 use asperity_simulation::summary::InterfaceSummary;
 use asperity_simulation::sweep::{SweepError, Variation, sweep_with_progress};
 use thiserror::Error;
 
+use crate::measured::Measured;
 use crate::message::{Part, View};
 use crate::settings::{Settings, amplitude_pointer};
 use crate::state::State;
@@ -30,6 +34,17 @@ pub(crate) struct Results {
     pub(crate) words: String,
     /// Error that left a part of the figures out.
     pub(crate) error: Option<String>,
+    /// Names and texts of the tables, where they were asked for.
+    pub(crate) tables: Vec<(String, String)>,
+}
+
+/// What is computed beside the figures.
+#[derive(Clone, Copy)]
+pub(crate) struct Beside<'a> {
+    /// Measured hits, drawn with the computed ones.
+    pub(crate) measured: Option<&'a Measured>,
+    /// True to have the tables.
+    pub(crate) tables: bool,
 }
 
 /// A part that cannot be computed.
@@ -51,20 +66,28 @@ pub(crate) fn compute(
     part: Part,
     state: &State,
     settings: &Settings,
+    beside: Beside<'_>,
     progress: Progress<'_>,
 ) -> Result<Results, ComputationError> {
     if let Some(fault) = settings.fault() {
         return Err(ComputationError::Settings(fault));
     }
     match part {
-        Part::Hit => Ok(hit(state, settings, progress)),
-        Part::Levels => levels(&state.document, &settings.filled(state)?, progress),
-        Part::Steady => steady(state, &settings.filled(state)?, progress),
+        Part::Hit => hit(state, settings, beside, progress),
+        Part::Levels => {
+            levels(&state.document, &settings.filled(state, beside.measured)?, beside, progress)
+        }
+        Part::Steady => steady(state, &settings.filled(state, beside.measured)?, beside, progress),
     }
 }
 
 /// One hit. Laws are drawn also where the hit fails.
-fn hit(state: &State, settings: &Settings, progress: Progress<'_>) -> Results {
+fn hit(
+    state: &State,
+    settings: &Settings,
+    beside: Beside<'_>,
+    progress: Progress<'_>,
+) -> Result<Results, ComputationError> {
     let document = &state.document;
     match &state.scenario {
         AnyScenario::Bars(scenario) => {
@@ -72,8 +95,15 @@ fn hit(state: &State, settings: &Settings, progress: Progress<'_>) -> Results {
             let interfaces = run.as_ref().map_or(&[][..], |run| &run.summary.interfaces);
             let laws = laws(scenario, interfaces).map_err(|error| error.to_string());
             let mut results = Results { figures: vec![(View::Law, laws)], ..Results::default() };
-            results.add(run.as_ref(), settings);
-            results
+            results.add(run.as_ref(), settings, beside)?;
+            if beside.tables {
+                let tables = tabulate(scenario)?;
+                let names = distinct_file_names(tables.iter().map(|law| law.name.as_str()));
+                let named = names.iter().zip(&tables);
+                let named = named.map(|(name, law)| (format!("law-{name}.csv"), law_csv(law)));
+                results.tables.extend(named);
+            }
+            Ok(results)
         }
         AnyScenario::Structure(scenario) => {
             let found = simulate_patches(document, scenario, progress);
@@ -81,32 +111,47 @@ fn hit(state: &State, settings: &Settings, progress: Progress<'_>) -> Results {
                 "laws of structures of matrices are not drawn here; `asperity law` takes bars";
             let laws = Err(reason.to_owned());
             let mut results = Results { figures: vec![(View::Law, laws)], ..Results::default() };
-            results.add(found.as_ref().map(|found| &found.run), settings);
-            results
+            results.add(found.as_ref().map(|found| &found.run), settings, beside)?;
+            Ok(results)
         }
     }
 }
 
 impl Results {
     /// Adds the figures and words of a run, or its error.
-    fn add<S>(&mut self, run: Result<&Run<S>, &SimulationError>, settings: &Settings) {
+    fn add<S>(
+        &mut self,
+        run: Result<&Run<S>, &SimulationError>,
+        settings: &Settings,
+        beside: Beside<'_>,
+    ) -> Result<(), SimulationError> {
         let run = match run {
             Ok(run) => run,
             Err(error) => {
                 self.error = Some(error.to_string());
-                return;
+                return Ok(());
             }
         };
         let notes = run.summary.warnings.iter().map(|warning| format!("note: {warning}"));
         let words: Vec<String> = [plot::run_words(&run.summary)].into_iter().chain(notes).collect();
         self.words = words.join("\n");
-        let frf = match receptance(run, 0) {
-            Ok(Some(frf)) => Ok(plot::frf(&frf, &run.summary, settings.magnitude.into())),
-            Ok(None) => Err("there is no load".to_owned()),
-            Err(error) => Err(error.to_string()),
-        };
-        self.figures.push((View::Frf, frf));
+        let axis = settings.magnitude.into();
+        let frf = receptance(run, 0)?.map(|frf| {
+            let highest = frf.frequency_hz.last().copied().unwrap_or_default();
+            let figure = plot::frf(&frf, &run.summary, axis);
+            match beside.measured.and_then(|measured| measured.frf(highest, axis)) {
+                Some(measured) => figure.with(&measured),
+                None => figure,
+            }
+        });
+        self.figures.push((View::Frf, frf.ok_or_else(|| "there is no load".to_owned())));
         self.figures.push((View::History, Ok(plot::history(run))));
+        if beside.tables {
+            self.tables.push(("history.csv".to_owned(), history_csv(run)));
+            let columns = frf_columns(run)?.map(|columns| frf_csv(&columns));
+            self.tables.extend(columns.map(|text| ("frf.csv".to_owned(), text)));
+        }
+        Ok(())
     }
 }
 
@@ -136,6 +181,7 @@ fn laws(scenario: &Scenario, visited: &[InterfaceSummary]) -> Result<Figure, Sim
 fn levels(
     document: &Document,
     settings: &Settings,
+    beside: Beside<'_>,
     progress: Progress<'_>,
 ) -> Result<Results, ComputationError> {
     let variation = match level_variation(document, settings) {
@@ -145,13 +191,22 @@ fn levels(
             return Ok(Results { figures, ..Results::default() });
         }
     };
+    let pointer = variation.pointer.clone();
     let done = |done: usize, of: usize| progress(done as f64 / of as f64);
     let sweep = sweep_with_progress(document, &[variation], &done)?;
     let failed = sweep.failed().map(|(run, error)| format!("run {}: {error}", run + 1)).next();
     let figure = plot::sweep(&sweep);
-    let figure = figure.ok_or_else(|| failed.clone().unwrap_or_else(|| "nothing to draw".into()));
-    let words = format!("{} runs\n", sweep.runs.len());
-    Ok(Results { figures: vec![(View::Levels, figure)], words, error: failed })
+    let mut figure =
+        figure.ok_or_else(|| failed.clone().unwrap_or_else(|| "nothing to draw".into()));
+    let mut words = format!("{} runs\n", sweep.runs.len());
+    if let Some(measured) = beside.measured {
+        figure = figure.map(|figure| figure.with(&measured.levels(&pointer)));
+        let at_hits = sweep_with_progress(document, &[measured.variation(&pointer)], &done)?;
+        words.push_str(&measured.words(&at_hits));
+    }
+    let table = beside.tables.then(|| ("levels.csv".to_owned(), sweep.csv()));
+    let tables = table.into_iter().collect();
+    Ok(Results { figures: vec![(View::Levels, figure)], words, error: failed, tables })
 }
 
 /// The variation of the levels, as `--vary` takes it.
@@ -170,6 +225,7 @@ pub(crate) fn level_variation(document: &Document, settings: &Settings) -> Resul
 fn steady(
     state: &State,
     settings: &Settings,
+    beside: Beside<'_>,
     progress: Progress<'_>,
 ) -> Result<Results, ComputationError> {
     let document = &state.document;
@@ -188,18 +244,20 @@ fn steady(
         bodies: BodyModel::Auto,
         time_sweep: None,
     };
-    let (found, at_rest, title, provenance) = match &state.scenario {
+    let (found, at_rest, names, title, provenance) = match &state.scenario {
         AnyScenario::Bars(scenario) => {
             let assembly = Assembly::new(scenario, document.folder())?;
             let found = branches(&assembly, &request, progress)?;
             let provenance = Provenance::of_scenario(document, scenario)?;
-            (found, StaticSummary::of(&assembly), scenario.title.clone(), provenance)
+            let at_rest = StaticSummary::of(&assembly);
+            (found, at_rest, names(&assembly.structure), scenario.title.clone(), provenance)
         }
         AnyScenario::Structure(scenario) => {
             let assembly = assemble_patches(scenario, document.folder())?;
             let found = branches(&assembly, &request, progress)?;
             let provenance = Provenance::of_structure(document, scenario)?;
-            (found, assembly.structure.at_rest(), scenario.title.clone(), provenance)
+            let at_rest = assembly.structure.at_rest();
+            (found, at_rest, names(&assembly.structure), scenario.title.clone(), provenance)
         }
     };
     let failed = found.levels.iter().find_map(|level| {
@@ -210,7 +268,20 @@ fn steady(
     let figure = figure.ok_or_else(|| failed.clone().unwrap_or_else(|| "nothing to draw".into()));
     let summary = SteadySummary::new(title, at_rest, &found, provenance);
     let words = steady_words::branches(&summary);
-    Ok(Results { figures: vec![(View::Steady, figure)], words, error: failed })
+    let mut tables = Vec::new();
+    if beside.tables {
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        tables.push(("steady.csv".to_owned(), steady_table(&found, &names).to_csv()));
+        let backbones = found.backbones.as_ref();
+        let table = backbones.map(|one| backbone_table(one, found.is_base_motion).to_csv());
+        tables.extend(table.map(|text| ("backbone.csv".to_owned(), text)));
+    }
+    Ok(Results { figures: vec![(View::Steady, figure)], words, error: failed, tables })
+}
+
+/// Names of the interfaces.
+fn names(structure: &impl Interfaces) -> Vec<String> {
+    structure.interfaces().iter().map(|contact| contact.name().to_owned()).collect()
 }
 
 fn branches<S: Shaken>(

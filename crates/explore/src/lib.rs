@@ -18,6 +18,9 @@
 //! | [`settings`] | force levels and frequency ranges, which are not part of a scenario |
 //! | [`session`] | answers to requests |
 //! | [`computation`] | results and figures of a part |
+//! | [`commands`] | a state as command lines |
+//! | [`measured`] | measured hits beside computed ones |
+//! | [`keep`] | files of a state |
 //! | `page` | HTML, style and script |
 //!
 //! # Safety of the server
@@ -25,9 +28,12 @@
 //! another `Host`, or from pages of another origin, are refused. A change may hold no text that is not in the
 //! scenario or its schema, so that no file is read but the scenario's own.
 
+mod commands;
 mod computation;
 mod controls;
 mod jobs;
+mod keep;
+mod measured;
 mod message;
 mod page;
 mod server;

@@ -102,6 +102,24 @@ pub(crate) struct ComputeRequest {
     pub(crate) settings: Settings,
 }
 
+/// Asks to write files to the folder of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct KeepRequest {
+    pub(crate) changes: Vec<Change>,
+    #[serde(default)]
+    pub(crate) settings: Settings,
+    /// Views whose figures and tables are written.
+    #[serde(default)]
+    pub(crate) views: Vec<View>,
+    /// Writes a problem for `identify` in their place.
+    #[serde(default)]
+    pub(crate) problem: bool,
+    /// True to replace files, once the user has agreed.
+    #[serde(default)]
+    pub(crate) overwrite: bool,
+}
+
 /// A view and the width of its place on the page, in CSS pixels.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -117,21 +135,28 @@ impl StateRequest {
     }
 }
 
+impl KeepRequest {
+    /// What is wrong with the request, if anything.
+    pub(crate) fn fault(&self) -> Option<String> {
+        too_many(&self.changes).or_else(|| too_many_views(self.views.len()))
+    }
+}
+
 impl ComputeRequest {
     /// What is wrong with the request, if anything.
     pub(crate) fn fault(&self) -> Option<String> {
         if self.tab.is_empty() || self.tab.len() > MOST_NAME {
             return Some(format!("tab has {} bytes; accepted: 1 to {MOST_NAME}", self.tab.len()));
         }
-        if self.views.len() > View::ALL.len() {
-            return Some(format!(
-                "{} views; accepted: at most {}",
-                self.views.len(),
-                View::ALL.len()
-            ));
-        }
-        too_many(&self.changes).or_else(|| too_many(self.pinned.as_deref()?))
+        too_many_views(self.views.len())
+            .or_else(|| too_many(&self.changes))
+            .or_else(|| too_many(self.pinned.as_deref()?))
     }
+}
+
+fn too_many_views(count: usize) -> Option<String> {
+    let most = View::ALL.len();
+    (count > most).then(|| format!("{count} views; accepted: at most {most}"))
 }
 
 fn too_many(changes: &[Change]) -> Option<String> {

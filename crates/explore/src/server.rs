@@ -8,7 +8,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use asperity_figure::BUNDLED_FONTS;
+use asperity_identify::IdentificationError;
 use asperity_scenario::{Document, DocumentError, InvalidDocument};
+use asperity_simulation::output::file_name::file_name;
 use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::extract::{DefaultBodyLimit, Request, State as Shared};
@@ -22,9 +24,10 @@ use tokio::net::TcpListener;
 use tokio::sync::mpsc;
 
 use crate::jobs::{Job, Jobs};
-use crate::message::{Answer, ComputeRequest, MOST_BYTES, StateRequest};
+use crate::measured::Measured;
+use crate::message::{Answer, ComputeRequest, KeepRequest, MOST_BYTES, StateRequest};
 use crate::page;
-use crate::session::{Session, Sink};
+use crate::session::{DEFECT, Session, Sink};
 use crate::state::Base;
 
 /// Time between two looks at the flag that ends the server.
@@ -44,8 +47,14 @@ const CONTENT_SECURITY: &str = "default-src 'none'; script-src 'self'; style-src
 pub struct ExploreOptions {
     /// Port of the loopback address; a free one without.
     pub port: Option<u16>,
-    /// Folder for what is kept; the page keeps nothing without one.
+    /// Folder for what is kept, which is made when something is; `out/` and the name of the scenario's file
+    /// with `-explore` without.
     pub out: Option<PathBuf>,
+    /// An `analysis.json` whose hits are shown beside the computed ones.
+    pub data: Option<PathBuf>,
+    /// Changes that the document has already, as `--set` takes them: commands that the page copies repeat
+    /// them.
+    pub set: Vec<String>,
 }
 
 /// A page that cannot be served.
@@ -58,6 +67,9 @@ pub enum ExploreError {
     /// The scenario is not valid.
     #[error(transparent)]
     Invalid(#[from] InvalidDocument),
+    /// The measured hits cannot be read.
+    #[error(transparent)]
+    Data(Box<IdentificationError>),
     /// The address cannot be listened at.
     #[error(
         "127.0.0.1:{port} cannot be listened at: {source}; accepted: a port that no other program uses, or none for any"
@@ -114,7 +126,10 @@ impl Server {
         let (address, listener) =
             listening.map_err(|source| ExploreError::Port { port, source })?;
         let token = token().map_err(ExploreError::System)?;
-        let session = Session::new(Base::new(document), options.out.clone());
+        let measured = options.data.as_deref().map(Measured::read).transpose();
+        let measured = measured.map_err(|error| ExploreError::Data(Box::new(error)))?;
+        let out = options.out.clone().unwrap_or_else(|| usual_folder(document.path()));
+        let session = Session::new(Base::new(document), out, measured, options.set.clone());
         Ok(Self { listener, address, token, session })
     }
 
@@ -152,6 +167,11 @@ impl Server {
     }
 }
 
+fn usual_folder(scenario: &Path) -> PathBuf {
+    let stem = scenario.file_stem().unwrap_or(scenario.as_os_str()).to_string_lossy();
+    PathBuf::from("out").join(file_name(&format!("{stem}-explore")))
+}
+
 async fn stopped(stop: &AtomicBool) {
     while !stop.load(Ordering::Relaxed) {
         tokio::time::sleep(LOOK).await;
@@ -173,7 +193,8 @@ fn routes(site: &Arc<Site>) -> Router {
         .route(&at("explore.js"), get(|| file(SCRIPT, page::SCRIPT.as_bytes())))
         .route(&at("figures.js"), get(|| file(SCRIPT, page::figures().as_bytes())))
         .route(&at("state"), post(state))
-        .route(&at("compute"), post(compute));
+        .route(&at("compute"), post(compute))
+        .route(&at("keep"), post(keep));
     for (number, font) in BUNDLED_FONTS.iter().enumerate() {
         router = router.route(&at(&page::font_name(number)), get(|| file("font/otf", font.data)));
     }
@@ -261,7 +282,19 @@ async fn state(Shared(site): Shared<Arc<Site>>, body: Bytes) -> Response {
     }
 }
 
-const DEFECT: &str = "a defect of this program ended the request";
+/// Writes files to the folder of the page.
+async fn keep(Shared(site): Shared<Arc<Site>>, body: Bytes) -> Response {
+    let request = match parsed(&body, KeepRequest::fault) {
+        Ok(request) => request,
+        Err(refusal) => return refusal,
+    };
+    let _room = Arc::clone(&site.jobs.room).acquire_owned().await;
+    let kept = tokio::task::spawn_blocking(move || site.session.keep(&request)).await;
+    match kept {
+        Ok(answer) => ([(header::CONTENT_TYPE, JSON)], answer.to_string()).into_response(),
+        Err(_) => refusal(StatusCode::INTERNAL_SERVER_ERROR, DEFECT),
+    }
+}
 
 /// Lines of JSON: the pictures and numbers of a part.
 async fn compute(Shared(site): Shared<Arc<Site>>, body: Bytes) -> Response {

@@ -1,19 +1,25 @@
 //! Answers to the requests of the page: what can be changed, and the pictures of a part.
 
 use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use asperity_figure::Figure;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use crate::computation::{ComputationError, Results, compute};
+use crate::commands::commands;
+use crate::computation::{Beside, ComputationError, Results, compute};
 use crate::controls::groups;
-use crate::message::{Answer, Change, ComputeRequest, Fault, Part, StateRequest, View, ViewSize};
+use crate::keep::{Files, existing, problem_files, state_files, write};
+use crate::measured::Measured;
+use crate::message::{
+    Answer, Change, ComputeRequest, Fault, KeepRequest, Part, StateRequest, View, ViewSize,
+};
 use crate::settings::Settings;
-use crate::state::Base;
+use crate::state::{Base, State};
 
 /// Pinned results that are kept.
 const MOST_KEPT: usize = 8;
@@ -25,7 +31,10 @@ const BETWEEN_REPORTS: Duration = Duration::from_millis(100);
 #[derive(Debug)]
 pub(crate) struct Session {
     base: Base,
-    out: Option<PathBuf>,
+    out: PathBuf,
+    measured: Option<Measured>,
+    /// Changes that the scenario was opened with.
+    given: Vec<String>,
     /// Results of pinned states, the newest last.
     kept: Mutex<VecDeque<(Key, Arc<Results>)>>,
 }
@@ -54,8 +63,13 @@ impl Sink<'_> {
 }
 
 impl Session {
-    pub(crate) fn new(base: Base, out: Option<PathBuf>) -> Self {
-        Self { base, out, kept: Mutex::default() }
+    pub(crate) fn new(
+        base: Base,
+        out: PathBuf,
+        measured: Option<Measured>,
+        given: Vec<String>,
+    ) -> Self {
+        Self { base, out, measured, given, kept: Mutex::default() }
     }
 
     /// The controls of a state, its faults, and its settings, as JSON.
@@ -76,19 +90,22 @@ impl Session {
             .base
             .state(&request.changes)
             .ok()
-            .and_then(|state| request.settings.filled(&state).ok());
+            .and_then(|state| request.settings.filled(&state, self.measured.as_ref()).ok());
         let views = View::ALL.map(|view| {
             json!({ "view": view, "title": view.title(), "part": view.part(), "stem": view.stem() })
         });
+        let settings = settings.unwrap_or_else(|| request.settings.clone());
         json!({
+            "commands": commands(&self.base.document, &self.given, &request.changes, &settings),
             "title": self.base.document.value().get("title"),
             "file": self.base.document.path().display().to_string(),
             "version": env!("CARGO_PKG_VERSION"),
             "views": views,
             "groups": groups,
             "faults": faults,
-            "settings": settings.unwrap_or_else(|| request.settings.clone()),
-            "out": self.out.as_ref().map(|out| out.display().to_string()),
+            "settings": settings,
+            "out": self.out.display().to_string(),
+            "hits": self.measured.as_ref().map(Measured::count),
         })
         .to_string()
     }
@@ -106,6 +123,7 @@ impl Session {
             Ok(results) => results,
             Err(Failed::Faults(faults)) => return sink.send(&Answer::Faults { faults }),
             Err(Failed::Error(text)) => return sink.send(&Answer::Error { text }),
+            Err(Failed::Stopped) => return,
         };
         for place in request.views.iter().filter(|place| place.view.part() == request.part) {
             if sink.is_stopped() {
@@ -129,14 +147,69 @@ impl Session {
         let state = self.base.state(changes).map_err(Failed::Faults)?;
         let last = Mutex::new(Instant::now());
         let progress = |done: f64| {
+            if sink.is_stopped() {
+                resume_unwind(Box::new(Stopped));
+            }
             let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
             if last.elapsed() >= BETWEEN_REPORTS {
                 *last = Instant::now();
                 sink.send(&Answer::Progress { done });
             }
         };
-        compute(part, &state, settings, &progress)
-            .map_err(|error: ComputationError| Failed::Error(error.to_string()))
+        let beside = Beside { measured: self.measured.as_ref(), tables: false };
+        Self::caught(|| compute(part, &state, settings, beside, &progress))
+    }
+
+    /// The results of some work, which a stop ends by unwinding from its report of progress: the engines
+    /// need no other way to be stopped. A defect of an engine ends its request alone.
+    fn caught(work: impl FnOnce() -> Result<Results, ComputationError>) -> Result<Results, Failed> {
+        match catch_unwind(AssertUnwindSafe(work)) {
+            Ok(results) => results.map_err(|error| Failed::Error(error.to_string())),
+            Err(reason) if reason.is::<Stopped>() => Err(Failed::Stopped),
+            Err(_) => Err(Failed::Error(DEFECT.to_owned())),
+        }
+    }
+
+    /// Writes the files of a state, or tells which would be replaced, as JSON.
+    pub(crate) fn keep(&self, request: &KeepRequest) -> Value {
+        let state = match self.base.state(&request.changes) {
+            Ok(state) => state,
+            Err(faults) => return json!({ "error": faults.first().map(|fault| &fault.text) }),
+        };
+        let files = match (&self.measured, request.problem) {
+            (Some(measured), true) => problem_files(&state, measured),
+            (None, true) => Err("there are no measured hits; give them with --data".to_owned()),
+            (_, false) => self.files(&state, request),
+        };
+        let files = match files {
+            Ok(files) => files,
+            Err(error) => return json!({ "error": error }),
+        };
+        let existing = existing(&self.out, &files);
+        if !existing.is_empty() && !request.overwrite {
+            return json!({ "existing": existing, "folder": self.out.display().to_string() });
+        }
+        match write(&self.out, &files) {
+            Ok(()) => {
+                let names: Vec<&String> = files.iter().map(|(name, _)| name).collect();
+                json!({ "written": names, "folder": self.out.display().to_string() })
+            }
+            Err((path, error)) => {
+                json!({ "error": format!("{} cannot be written: {error}", path.display()) })
+            }
+        }
+    }
+
+    /// Scenario, figures and tables of the views.
+    fn files(&self, state: &State, request: &KeepRequest) -> Result<Files, String> {
+        let mut parts: Vec<Part> = request.views.iter().map(|view| view.part()).collect();
+        parts.dedup();
+        let beside = Beside { measured: self.measured.as_ref(), tables: true };
+        let results = parts
+            .into_iter()
+            .map(|part| Self::caught(|| compute(part, state, &request.settings, beside, &|_| ())));
+        let results: Vec<Results> = results.collect::<Result<_, _>>().map_err(Failed::text)?;
+        state_files(state, &results, &request.views).map_err(|error| error.to_string())
     }
 
     /// The results of a pinned state, which are computed once; none for a state that has none.
@@ -159,7 +232,26 @@ impl Session {
 enum Failed {
     Faults(Vec<Fault>),
     Error(String),
+    Stopped,
 }
+
+impl Failed {
+    fn text(self) -> String {
+        match self {
+            Self::Faults(faults) => {
+                faults.into_iter().map(|fault| fault.text).collect::<Vec<_>>().join("\n")
+            }
+            Self::Error(text) => text,
+            Self::Stopped => "stopped".to_owned(),
+        }
+    }
+}
+
+/// Unwound from a computation whose result is not wanted any more.
+struct Stopped;
+
+/// Error of a computation that panicked.
+pub(crate) const DEFECT: &str = "a defect of this program ended the request";
 
 /// The picture of a view, laid out for its place on the page.
 fn picture(place: ViewSize, results: &Results, pinned: Option<&Results>) -> Answer {

@@ -9,6 +9,7 @@ use asperity_simulation::steady::Shaken;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::measured::Measured;
 use crate::state::State;
 
 /// Accepted numbers of levels and of shaker amplitudes, and levels unless set.
@@ -16,9 +17,10 @@ const LEVELS: std::ops::RangeInclusive<usize> = 2..=200;
 const MOST_AMPLITUDES: usize = 12;
 const USUAL_LEVELS: usize = 24;
 
-/// Levels over the amplitude of the scenario, and the range of frequencies over the natural frequency at
-/// rest, unless set.
+/// Levels over the amplitude of the scenario, or over the forces of measured hits, and the range of frequencies
+/// over the natural frequency at rest, unless set.
 const LEVEL_RANGE: (f64, f64) = (0.1, 1.5);
+const HIT_RANGE: (f64, f64) = (0.8, 1.2);
 const FREQUENCY_RANGE: (f64, f64) = (0.6, 1.3);
 
 /// Amplitudes of a shaker, over the one whose resonance would take the load of a contact at rest from it,
@@ -69,21 +71,25 @@ impl From<Magnitude> for MagnitudeAxis {
 
 impl Settings {
     /// The settings with those that are left out, for a state.
-    pub(crate) fn filled(&self, state: &State) -> Result<Self, SimulationError> {
+    pub(crate) fn filled(
+        &self,
+        state: &State,
+        measured: Option<&Measured>,
+    ) -> Result<Self, SimulationError> {
         let folder = state.document.folder();
         match &state.scenario {
             AnyScenario::Bars(scenario) => {
                 let assembly = Assembly::new(scenario, folder)?;
-                Ok(self.filled_for(&assembly))
+                Ok(self.filled_for(&assembly, measured))
             }
             AnyScenario::Structure(scenario) => {
                 let assembly = assemble_patches(scenario, folder)?;
-                Ok(self.filled_for(&assembly))
+                Ok(self.filled_for(&assembly, measured))
             }
         }
     }
 
-    fn filled_for<S: Shaken>(&self, assembly: &Assembly<S>) -> Self {
+    fn filled_for<S: Shaken>(&self, assembly: &Assembly<S>, measured: Option<&Measured>) -> Self {
         let natural = assembly.structure.natural_frequency_hz();
         let natural = natural.filter(|hz| *hz > 0.0).unwrap_or(100.0);
         let load = assembly.load.amplitude().abs();
@@ -94,9 +100,13 @@ impl Settings {
         let is_base = assembly.load.base().is_some();
         let whole = 2.0 * USUAL_RATIO * if is_base { GRAVITY } else { held };
         let or = |set: Option<f64>, (share, of): (f64, f64)| set.or(Some(rounded(share * of)));
+        let (from, to) = measured.map_or((LEVEL_RANGE.0 * load, LEVEL_RANGE.1 * load), |hits| {
+            let (low, high) = hits.forces();
+            (HIT_RANGE.0 * low, HIT_RANGE.1 * high)
+        });
         Self {
-            level_from: or(self.level_from, (LEVEL_RANGE.0, load)),
-            level_to: or(self.level_to, (LEVEL_RANGE.1, load)),
+            level_from: or(self.level_from, (1.0, from)),
+            level_to: or(self.level_to, (1.0, to)),
             levels: self.levels.or(Some(USUAL_LEVELS)),
             amplitudes: self
                 .amplitudes

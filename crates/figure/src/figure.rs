@@ -82,14 +82,32 @@ impl Figure {
     #[must_use]
     pub fn over(mut self, earlier: &Self, name: &str) -> Self {
         let mut name = Some(name);
-        let mut others: Vec<&Panel> = earlier.panels.iter().collect();
-        for panel in &mut self.panels {
-            let Some(at) = others.iter().position(|other| panel.has_axes_of(other)) else {
-                continue;
-            };
-            panel.put_over(others.remove(at), name.take().unwrap_or_default());
+        for (panel, other) in self.pairs(earlier) {
+            panel.put_over(other, name.take().unwrap_or_default());
         }
         self
+    }
+
+    /// Adds the series of another figure to the panels with the same axis labels; fixed ranges are widened to
+    /// hold both.
+    #[must_use]
+    pub fn with(mut self, other: &Self) -> Self {
+        for (panel, other) in self.pairs(other) {
+            panel.put_series(other);
+        }
+        self
+    }
+
+    /// The panels with their partners of the same axes in another figure.
+    fn pairs<'a>(
+        &'a mut self,
+        other: &'a Self,
+    ) -> impl Iterator<Item = (&'a mut Panel, &'a Panel)> {
+        let mut others: Vec<&Panel> = other.panels.iter().collect();
+        self.panels.iter_mut().filter_map(move |panel| {
+            let at = others.iter().position(|other| panel.has_axes_of(other))?;
+            Some((panel, others.remove(at)))
+        })
     }
 
     /// Checks that everything can be drawn.

@@ -133,6 +133,13 @@ impl Panel {
         !self.blank && same(&self.x_axis, &other.x_axis) && same(&self.y_axis, &other.y_axis)
     }
 
+    /// Adds the series of another panel.
+    pub(crate) fn put_series(&mut self, other: &Self) {
+        self.x_axis.widen(&other.x_axis);
+        self.y_axis.widen(&other.y_axis);
+        self.series.extend(other.series.iter().cloned());
+    }
+
     /// Puts the lines and points of another panel below the own ones, in grey.
     pub(crate) fn put_over(&mut self, other: &Self, name: &str) {
         self.x_axis.widen(&other.x_axis);

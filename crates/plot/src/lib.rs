@@ -53,11 +53,11 @@ pub use frf_file::frf_file;
 pub use identification::{feature_name, identification, identification_report, measurement};
 pub use magnitude::MagnitudeAxis;
 pub use pressure_map::pressure_maps;
-pub use response::{frf, history};
+pub use response::{frf, history, measured_frf};
 pub use run_words::run_words;
 pub use steady::{steady, steady_report};
 pub use structure::{VisitedRange, laws, laws_visited, modes};
-pub use sweep::sweep;
+pub use sweep::{measured_levels, sweep};
 
 /// The text, cut to `most` characters.
 fn fitted(text: &str, most: usize) -> String {

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 /// Serves the live page of a scenario, until Ctrl-C.
 pub(crate) fn run(
     input: &Input,
-    port: Option<u16>,
+    options: &ExploreOptions,
     no_browser: bool,
     quiet: bool,
 ) -> Result<(), Failure> {
@@ -22,9 +22,7 @@ pub(crate) fn run(
     } else {
         super::checked(&document)?;
     }
-    let mut options = ExploreOptions::default();
-    options.port = port;
-    let server = Server::of(document, &options)?;
+    let server = Server::of(document, options)?;
     let stop = Arc::new(AtomicBool::new(false));
     stop_on_signals(&stop);
     let url = server.url();

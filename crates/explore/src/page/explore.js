@@ -305,7 +305,7 @@ class Card {
 const texts = {};
 const words = (part, text) => {
   texts[part] = text;
-  $("words").textContent = Object.keys(works).filter(one => works[one].views.length)
+  $("words").textContent = shownParts()
     .map(one => texts[one]).filter(Boolean).join("\n");
 };
 
@@ -521,9 +521,12 @@ const tools = () => {
 };
 
 const show = () => {
-  const { title, file, views, groups, faults, settings } = described;
+  const { title, file, views, groups, faults, settings, out, hits } = described;
   $("title").textContent = title ?? file;
   $("file").textContent = title ? file : "";
+  $("save").title = `Write scenario, figures and tables to ${out}`;
+  $("problem").hidden = hits === null;
+  if (hits !== null) $("file").textContent += ` · ${hits} measured hits`;
   document.title = `${title ?? file} · asperity explore`;
   if (!cards.size) build(views);
   showControls(groups);
@@ -574,6 +577,31 @@ document.addEventListener("keydown", event => {
     $("pin").click();
   }
 });
+const shownParts = () => Object.keys(works).filter(part => works[part].views.length);
+$("copy").addEventListener("click", async () => {
+  const text = described.commands.filter(one => shownParts().includes(one.part)).map(one => one.text).join("\n");
+  try {
+    await navigator.clipboard.writeText(text);
+    say("copied");
+  } catch {
+    prompt("The command of this state:", text);
+  }
+});
+// Writes files to the folder of the page; existing ones once the user agrees.
+const keep = async (problem, overwrite = false) => {
+  const views = [...cards.values()].filter(card => !card.root.hidden).map(card => card.view);
+  try {
+    const response = await post("keep", { changes: state.changes, settings: state.settings, views: problem ? [] : views, problem, overwrite });
+    const answer = await response.json();
+    if (answer.error) say(answer.error);
+    else if (!answer.existing) say(`${answer.written.length} files written to ${answer.folder}`);
+    else if (confirm(`Replace in ${answer.folder}:\n${answer.existing.join(", ")}`)) await keep(problem, true);
+  } catch (error) {
+    say(`nothing was written: ${error.message}`);
+  }
+};
+$("save").addEventListener("click", () => keep(false));
+$("problem").addEventListener("click", () => keep(true));
 addEventListener("popstate", () => {
   state = read(location.hash);
   settled = null;

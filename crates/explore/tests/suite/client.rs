@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
 use asperity_explore::{ExploreOptions, Server};
+use asperity_scenario::Document;
 use serde_json::{Value, json};
 
 /// A server of a scenario, which ends with it.
@@ -31,7 +32,11 @@ pub(crate) fn block() -> PathBuf {
 
 impl Page {
     pub(crate) fn of(scenario: &Path, options: &ExploreOptions) -> Self {
-        let server = Server::open(scenario, options).unwrap();
+        Self::of_document(Document::read(scenario).unwrap(), options)
+    }
+
+    pub(crate) fn of_document(document: Document, options: &ExploreOptions) -> Self {
+        let server = Server::of(document, options).unwrap();
         let url = server.url();
         let (host, path) = url.strip_prefix("http://").unwrap().split_once('/').unwrap();
         let (host, path) = (host.to_owned(), format!("/{path}"));

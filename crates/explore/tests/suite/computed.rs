@@ -166,3 +166,18 @@ fn the_newest_input_is_answered() {
     assert!(ends.iter().all(|end| end == "done" || end == "superseded"), "{ends:?}");
     assert!(ends.iter().any(|end| end == "done"));
 }
+
+/// A run of some minutes gives way to the next input.
+#[test]
+fn a_newer_input_stops_a_long_run() {
+    let page = Page::new();
+    let path = format!("{}compute", page.path);
+    let long = json!([["/duration_s", 50], ["/method", { "kind": "finite_difference" }]]);
+    let asked = request("tab", "hit", &["frf"], &long, &json!({})).to_string();
+    let first = page.open("POST", &path, &page.own_head(), asked.as_bytes());
+    // The first has begun once the server answers again.
+    assert_eq!(page.get("").status, 200);
+    let lines = page.compute("hit", &["frf"], &json!([]));
+    assert_eq!(lines.last().unwrap()["answer"], "done");
+    assert_eq!(read(first).lines().last().unwrap()["answer"], "superseded");
+}

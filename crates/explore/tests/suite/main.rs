@@ -3,4 +3,8 @@
 
 mod client;
 mod computed;
+mod controls;
 mod guarded;
+mod kept;
+mod measured;
+mod script;
