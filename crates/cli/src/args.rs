@@ -136,6 +136,9 @@ pub(crate) enum Command {
         /// file with -explore.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
+        /// Open the page in this state: the part of its address after #.
+        #[arg(long, value_name = "TEXT")]
+        state: Option<String>,
         /// Show the hits of this analysis beside the computed ones, with chi-square by feature.
         #[arg(long, value_name = "ANALYSIS.json")]
         data: Option<PathBuf>,

@@ -74,10 +74,8 @@ pub(crate) fn compute(
     }
     match part {
         Part::Hit => hit(state, settings, beside, progress),
-        Part::Levels => {
-            levels(&state.document, &settings.filled(state, beside.measured)?, beside, progress)
-        }
-        Part::Steady => steady(state, &settings.filled(state, beside.measured)?, beside, progress),
+        Part::Levels => levels(&state.document, settings, beside, progress),
+        Part::Steady => steady(state, settings, beside, progress),
     }
 }
 

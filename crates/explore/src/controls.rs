@@ -52,6 +52,8 @@ enum Kind {
     /// Pairs of a pressure and a stiffness.
     Pairs {
         value: Vec<[f64; 2]>,
+        /// True where stiffnesses increase too.
+        increasing: bool,
     },
 }
 
@@ -228,7 +230,8 @@ impl<'a> Walker<'a> {
             (Some(Value::Object(object)), _) => self.object(node, object, pointer, found),
             (Some(Value::Array(items)), _) => {
                 if let Some(pairs) = pairs(items) {
-                    found.push(control(Kind::Pairs { value: pairs }));
+                    let increasing = pointer.ends_with("/knots");
+                    found.push(control(Kind::Pairs { value: pairs, increasing }));
                 } else if let Some(item) = node.get("items") {
                     for (index, inner) in items.iter().enumerate() {
                         self.walk(item, Some(inner), &format!("{pointer}/{index}"), found);

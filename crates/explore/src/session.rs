@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use asperity_figure::Figure;
@@ -21,8 +21,8 @@ use crate::message::{
 use crate::settings::Settings;
 use crate::state::{Base, State};
 
-/// Pinned results that are kept.
-const MOST_KEPT: usize = 8;
+/// Pinned results that are kept: of the parts of two pages.
+const MOST_KEPT: usize = 6;
 
 /// Least time between two reports of progress.
 const BETWEEN_REPORTS: Duration = Duration::from_millis(100);
@@ -35,6 +35,8 @@ pub(crate) struct Session {
     measured: Option<Measured>,
     /// Changes that the scenario was opened with.
     given: Vec<String>,
+    /// Settings that the scenario of the file gives: they stay while its numbers move.
+    usual: OnceLock<Settings>,
     /// Results of pinned states, the newest last.
     kept: Mutex<VecDeque<(Key, Arc<Results>)>>,
 }
@@ -69,7 +71,14 @@ impl Session {
         measured: Option<Measured>,
         given: Vec<String>,
     ) -> Self {
-        Self { base, out, measured, given, kept: Mutex::default() }
+        Self { base, out, measured, given, usual: OnceLock::new(), kept: Mutex::default() }
+    }
+
+    fn usual(&self) -> &Settings {
+        self.usual.get_or_init(|| {
+            let state = self.base.state(&[]).ok();
+            state.map(|state| Settings::usual(&state, self.measured.as_ref())).unwrap_or_default()
+        })
     }
 
     /// The controls of a state, its faults, and its settings, as JSON.
@@ -86,17 +95,14 @@ impl Session {
                 (groups(self.base.schema(), &self.base.document, &self.base.document), vec![fault])
             }
         };
-        let settings = self
-            .base
-            .state(&request.changes)
-            .ok()
-            .and_then(|state| request.settings.filled(&state, self.measured.as_ref()).ok());
+        let settings = request.settings.filled(self.usual());
         let views = View::ALL.map(|view| {
             json!({ "view": view, "title": view.title(), "part": view.part(), "stem": view.stem() })
         });
-        let settings = settings.unwrap_or_else(|| request.settings.clone());
+        let changed = self.base.changed(&request.changes);
+        let changed = changed.as_ref().unwrap_or(&self.base.document);
         json!({
-            "commands": commands(&self.base.document, &self.given, &request.changes, &settings),
+            "commands": commands(changed, &self.given, &request.changes, &settings),
             "title": self.base.document.value().get("title"),
             "file": self.base.document.path().display().to_string(),
             "version": env!("CARGO_PKG_VERSION"),
@@ -157,7 +163,8 @@ impl Session {
             }
         };
         let beside = Beside { measured: self.measured.as_ref(), tables: false };
-        Self::caught(|| compute(part, &state, settings, beside, &progress))
+        let settings = settings.filled(self.usual());
+        Self::caught(|| compute(part, &state, &settings, beside, &progress))
     }
 
     /// The results of some work, which a stop ends by unwinding from its report of progress: the engines
@@ -205,9 +212,10 @@ impl Session {
         let mut parts: Vec<Part> = request.views.iter().map(|view| view.part()).collect();
         parts.dedup();
         let beside = Beside { measured: self.measured.as_ref(), tables: true };
+        let settings = request.settings.filled(self.usual());
         let results = parts
             .into_iter()
-            .map(|part| Self::caught(|| compute(part, state, &request.settings, beside, &|_| ())));
+            .map(|part| Self::caught(|| compute(part, state, &settings, beside, &|_| ())));
         let results: Vec<Results> = results.collect::<Result<_, _>>().map_err(Failed::text)?;
         state_files(state, &results, &request.views).map_err(|error| error.to_string())
     }

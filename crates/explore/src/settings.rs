@@ -3,7 +3,6 @@
 use asperity_plot::MagnitudeAxis;
 use asperity_scenario::AnyScenario;
 use asperity_simulation::assemble::Assembly;
-use asperity_simulation::error::SimulationError;
 use asperity_simulation::patches::assemble_patches;
 use asperity_simulation::steady::Shaken;
 use serde::{Deserialize, Serialize};
@@ -70,26 +69,21 @@ impl From<Magnitude> for MagnitudeAxis {
 }
 
 impl Settings {
-    /// The settings with those that are left out, for a state.
-    pub(crate) fn filled(
-        &self,
-        state: &State,
-        measured: Option<&Measured>,
-    ) -> Result<Self, SimulationError> {
+    /// The settings that a scenario gives; none of them for one that cannot be assembled.
+    pub(crate) fn usual(state: &State, measured: Option<&Measured>) -> Self {
         let folder = state.document.folder();
-        match &state.scenario {
+        let found = match &state.scenario {
             AnyScenario::Bars(scenario) => {
-                let assembly = Assembly::new(scenario, folder)?;
-                Ok(self.filled_for(&assembly, measured))
+                Assembly::new(scenario, folder).map(|found| Self::of(&found, measured))
             }
             AnyScenario::Structure(scenario) => {
-                let assembly = assemble_patches(scenario, folder)?;
-                Ok(self.filled_for(&assembly, measured))
+                assemble_patches(scenario, folder).map(|found| Self::of(&found, measured))
             }
-        }
+        };
+        found.unwrap_or_default()
     }
 
-    fn filled_for<S: Shaken>(&self, assembly: &Assembly<S>, measured: Option<&Measured>) -> Self {
+    fn of<S: Shaken>(assembly: &Assembly<S>, measured: Option<&Measured>) -> Self {
         let natural = assembly.structure.natural_frequency_hz();
         let natural = natural.filter(|hz| *hz > 0.0).unwrap_or(100.0);
         let load = assembly.load.amplitude().abs();
@@ -99,22 +93,32 @@ impl Settings {
         let held = if held.is_finite() && held > 0.0 { held } else { load };
         let is_base = assembly.load.base().is_some();
         let whole = 2.0 * USUAL_RATIO * if is_base { GRAVITY } else { held };
-        let or = |set: Option<f64>, (share, of): (f64, f64)| set.or(Some(rounded(share * of)));
         let (from, to) = measured.map_or((LEVEL_RANGE.0 * load, LEVEL_RANGE.1 * load), |hits| {
             let (low, high) = hits.forces();
             (HIT_RANGE.0 * low, HIT_RANGE.1 * high)
         });
         Self {
-            level_from: or(self.level_from, (1.0, from)),
-            level_to: or(self.level_to, (1.0, to)),
-            levels: self.levels.or(Some(USUAL_LEVELS)),
-            amplitudes: self
-                .amplitudes
-                .clone()
-                .or_else(|| Some(SHARES.map(|share| rounded(share * whole)).to_vec())),
-            from_hz: or(self.from_hz, (FREQUENCY_RANGE.0, natural)),
-            to_hz: or(self.to_hz, (FREQUENCY_RANGE.1, natural)),
-            ..self.clone()
+            level_from: Some(rounded(from)),
+            level_to: Some(rounded(to)),
+            levels: Some(USUAL_LEVELS),
+            amplitudes: Some(SHARES.map(|share| rounded(share * whole)).to_vec()),
+            from_hz: Some(rounded(FREQUENCY_RANGE.0 * natural)),
+            to_hz: Some(rounded(FREQUENCY_RANGE.1 * natural)),
+            ..Self::default()
+        }
+    }
+
+    /// The settings, with those of `usual` that are left out.
+    pub(crate) fn filled(&self, usual: &Self) -> Self {
+        Self {
+            magnitude: self.magnitude,
+            level_from: self.level_from.or(usual.level_from),
+            level_to: self.level_to.or(usual.level_to),
+            levels: self.levels.or(usual.levels),
+            amplitudes: self.amplitudes.clone().or_else(|| usual.amplitudes.clone()),
+            from_hz: self.from_hz.or(usual.from_hz),
+            to_hz: self.to_hz.or(usual.to_hz),
+            backbone: self.backbone,
         }
     }
 

@@ -3,7 +3,8 @@
 use std::collections::HashSet;
 
 use asperity_scenario::{
-    AnyScenario, Document, InvalidDocument, scenario_schema, structure_schema,
+    AnyScenario, DEFAULT_OUTPUT_RATE_HZ, Document, InvalidDocument, scenario_schema,
+    structure_schema,
 };
 use serde_json::Value;
 
@@ -57,7 +58,10 @@ impl Base {
     pub(crate) fn state(&self, changes: &[Change]) -> Result<State, Vec<Fault>> {
         let document = self.changed(changes).map_err(|fault| vec![fault])?;
         let scenario = document.any_scenario().map_err(|invalid| faults(&invalid))?;
-        Ok(State { document, scenario })
+        match too_long(document.value()) {
+            Some(fault) => Err(vec![fault]),
+            None => Ok(State { document, scenario }),
+        }
     }
 
     /// A text of a value that a change may not hold: it could be the name of a file.
@@ -69,6 +73,28 @@ impl Base {
             _ => None,
         }
     }
+}
+
+/// Numbers of a history that the page takes: 80 MB.
+const MOST_NUMBERS: f64 = 1e7;
+
+/// Columns of a history, and of each interface in it.
+const COLUMNS: (f64, f64) = (4.0, 3.0);
+
+/// The fault of a history that is too long for a page.
+fn too_long(document: &Value) -> Option<Fault> {
+    let number = |key: &str| document.get(key).and_then(Value::as_f64);
+    let duration = number("duration_s")?;
+    let rate = number("output_rate_hz").unwrap_or(DEFAULT_OUTPUT_RATE_HZ);
+    let interfaces = document.get("interfaces").and_then(Value::as_array).map_or(0, Vec::len);
+    let size = duration * rate * (COLUMNS.0 + COLUMNS.1 * interfaces as f64);
+    (size > MOST_NUMBERS).then(|| Fault {
+        pointer: "/duration_s".to_owned(),
+        text: format!(
+            "/duration_s: the history would have {size:.1e} numbers, duration times output_rate_hz times \
+             columns; the page takes at most {MOST_NUMBERS:.0e}, `asperity simulate` more"
+        ),
+    })
 }
 
 /// The faults of a scenario that is not valid.
@@ -149,6 +175,14 @@ mod tests {
         }
         let kind = json!({"kind": "half_sine", "peak_n": 3, "duration_s": 1e-3});
         assert!(base().state(&[Change("/excitation".to_owned(), kind)]).is_ok());
+    }
+
+    #[test]
+    fn a_history_that_is_too_long_for_a_page_is_refused() {
+        let changes = |seconds: f64| [Change("/duration_s".to_owned(), json!(seconds))];
+        assert!(base().state(&changes(7.0)).is_ok());
+        let found = base().state(&changes(8.0)).unwrap_err();
+        assert!(found[0].text.contains("1e7"), "{found:?}");
     }
 
     #[test]

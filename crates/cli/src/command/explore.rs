@@ -13,6 +13,7 @@ use crate::failure::Failure;
 pub(crate) fn run(
     input: &Input,
     options: &ExploreOptions,
+    state: Option<&str>,
     no_browser: bool,
     quiet: bool,
 ) -> Result<(), Failure> {
@@ -25,7 +26,8 @@ pub(crate) fn run(
     let server = Server::of(document, options)?;
     let stop = Arc::new(AtomicBool::new(false));
     stop_on_signals(&stop);
-    let url = server.url();
+    let fragment = state.map(|text| format!("#{}", text.trim_start_matches('#')));
+    let url = server.url() + &fragment.unwrap_or_default();
     answer_line!("{url}");
     crate::answer::finish()?;
     if !quiet {

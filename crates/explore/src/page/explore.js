@@ -199,7 +199,8 @@ class Card {
     this.bar = element("progress", { max: 1, value: 0 });
     this.bar.setAttribute("aria-label", "Progress");
     this.reason = element("p", { className: "reason", hidden: true });
-    const wide = element("button", { className: "small", type: "button", textContent: "Wide" });
+    const wide = element("button", { className: "small", type: "button", textContent: "⤢", title: "As wide as the page" });
+    wide.setAttribute("aria-label", `${title}: as wide as the page`);
     wide.setAttribute("aria-pressed", "false");
     wide.addEventListener("click", () => {
       wide.setAttribute("aria-pressed", String(this.root.classList.toggle("wide")));
@@ -207,7 +208,7 @@ class Card {
     this.root = element("section", { className: "card", hidden: true },
       element("header", {}, element("h2", { textContent: title }), this.time, this.settings, wide), this.bar, this.frame, this.reason);
     this.root.setAttribute("aria-label", title);
-    new ResizeObserver(() => update()).observe(this.frame);
+    new ResizeObserver(() => { clearTimeout(Card.timer); Card.timer = setTimeout(update, 60); }).observe(this.frame);
     $("cards").append(this.root);
   }
   // In steps, so that a scroll bar that comes and goes asks for nothing.
@@ -247,24 +248,26 @@ class Card {
     const [left, top, right, bottom] = panel.frame;
     const spans = [[panel.xAxis, left, right], [panel.yAxis, bottom, top]];
     const controls = (described?.groups ?? []).flatMap(group => group.controls);
-    for (const { pointer, value } of controls.filter(one => one.control === "pairs" && one.pointer.startsWith("/laws/"))) {
+    for (const { pointer, value, increasing } of controls.filter(one => one.control === "pairs" && one.pointer.startsWith("/laws/"))) {
       value.forEach((pair, index) => {
         const place = pair.map((number, k) => placeOf(spans[k][0], number * spans[k][0].factor, spans[k][1], spans[k][2]));
         if (!(place[0] >= left - 1 && place[0] <= right + 1 && place[1] >= top - 1 && place[1] <= bottom + 1)) return;
-        this.knot(spans, { pointer, value, index }, place);
+        this.knot(spans, { pointer, value, increasing, index }, place);
       });
     }
   }
-  knot(spans, { pointer, value, index }, [x, y]) {
+  knot(spans, { pointer, value, increasing, index }, [x, y]) {
     const handle = make(this.handles, "circle", { cx: x, cy: y, r: 4.5, tabindex: 0, role: "slider" });
     const name = pointer.split("/")[2].replaceAll("~1", "/").replaceAll("~0", "~");
     handle.setAttribute("aria-label", `Point ${index + 1} of law ${name}`);
     handle.setAttribute("aria-valuetext", `${digits(value[index][0])} Pa, ${digits(value[index][1])} Pa/m`);
     // Between its neighbours, and at zero pressure where it is there.
-    const accepted = ([pressure, stiffness]) => {
-      const low = index ? value[index - 1][0] * 1.001 : 0, high = value[index + 1]?.[0] * 0.999 || Infinity;
-      return [value[index][0] === 0 ? 0 : Number(clamp(pressure, low, high).toPrecision(4)), Number(Math.max(stiffness, 1).toPrecision(4))];
+    const between = (number, k, bounded) => {
+      const low = bounded && index ? value[index - 1][k] * 1.001 : 1, high = (bounded && value[index + 1]?.[k] * 0.999) || Infinity;
+      return Number(clamp(number, low, high).toPrecision(4));
     };
+    const accepted = ([pressure, stiffness]) =>
+      [value[index][0] === 0 ? 0 : between(pressure, 0, true), between(stiffness, 1, increasing)];
     const move = (pair, passing) => change(`${pointer}/${index}`, accepted(pair), passing);
     const at = event => {
       const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(this.handles.getScreenCTM().inverse());
@@ -324,6 +327,8 @@ const STEPS = 1000;
 
 const rows = new Map();
 const isChanged = pointer => state.changes.some(([known]) => isInside(known, pointer) || isInside(pointer, known));
+
+const isSet = pointer => state.changes.some(([known]) => known === pointer);
 
 class Row {
   constructor(control) {
@@ -415,8 +420,9 @@ class Row {
   show(control) {
     this.control = control;
     const active = document.activeElement;
-    this.root.classList.toggle("changed", isChanged(control.pointer));
-    this.undo.classList.toggle("idle", !isChanged(control.pointer));
+    const own = control.control === "choice" ? isSet(control.pointer) : isChanged(control.pointer);
+    this.root.classList.toggle("changed", own);
+    this.undo.classList.toggle("idle", !own);
     this.undo.disabled = !state.changes.some(([known]) => isInside(known, control.pointer));
     if (control.control === "number") {
       if (active !== this.field) this.field.value = digits(control.value);

@@ -172,7 +172,8 @@ fn the_newest_input_is_answered() {
 fn a_newer_input_stops_a_long_run() {
     let page = Page::new();
     let path = format!("{}compute", page.path);
-    let long = json!([["/duration_s", 50], ["/method", { "kind": "finite_difference" }]]);
+    let long =
+        json!([["/duration_s", 7], ["/method", { "kind": "finite_difference", "cell_m": 1e-4 }]]);
     let asked = request("tab", "hit", &["frf"], &long, &json!({})).to_string();
     let first = page.open("POST", &path, &page.own_head(), asked.as_bytes());
     // The first has begun once the server answers again.

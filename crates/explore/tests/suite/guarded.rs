@@ -117,7 +117,8 @@ fn pictures_have_bounded_sizes() {
 fn the_server_ends_with_its_flag() {
     let page = Page::new();
     // A run of some minutes: it is not waited for.
-    let changes = json!([["/duration_s", 50], ["/method", { "kind": "finite_difference" }]]);
+    let changes =
+        json!([["/duration_s", 7], ["/method", { "kind": "finite_difference", "cell_m": 1e-4 }]]);
     let asked = request("t", "hit", &["frf"], &changes, &json!({})).to_string();
     let path = format!("{}compute", page.path);
     let running = page.open("POST", &path, &page.own_head(), asked.as_bytes());

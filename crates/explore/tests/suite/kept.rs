@@ -85,6 +85,6 @@ fn copied_commands_repeat_all_changes() {
         .collect();
     let set = "block.json --set /damping/ratio=0.03 --set /excitation/peak_n=9";
     assert!(texts.iter().all(|text| text.contains(set)), "{texts:?}");
-    assert!(texts[1].contains("--vary /excitation/peak_n=0.9:14:24"), "{texts:?}");
+    assert!(texts[1].contains("--vary /excitation/peak_n=0.5:7.5:24"), "{texts:?}");
     assert!(texts[2].ends_with("--amplitude 0.2 --from 1200 --to 1900"), "{texts:?}");
 }
