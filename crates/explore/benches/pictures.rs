@@ -15,8 +15,9 @@ use asperity_explore::{ExploreOptions, Server};
 use asperity_scenario::Document;
 use serde_json::{Value, json};
 
-/// Inputs of a median.
+/// Inputs of a median, and random ones.
 const INPUTS: usize = 40;
+const RANDOM_INPUTS: usize = 2000;
 
 fn main() {
     let rig = "../../fixtures/scenarios/nouira2020-modified.json";
@@ -67,8 +68,47 @@ fn main() {
             println!("{name:<14}{shown:<20}{median:8.1} ms median, {late:8.1} ms at 90 %");
         }
     }
+    random_inputs(&url);
     stop.store(true, Ordering::Relaxed);
     served.join().unwrap();
+}
+
+/// Many random inputs, with the memory of the process before and after.
+fn random_inputs(url: &str) {
+    let mut random: u64 = 1;
+    let mut unit = || {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (random >> 40) as f64 / f64::from(1 << 24)
+    };
+    let begun = Instant::now();
+    let mut before = None;
+    for input in 0..RANDOM_INPUTS {
+        let changes = json!([
+            ["/excitation/peak_n", 2.0 + 60.0 * unit()],
+            ["/laws/modified/exponent", 0.3 + 0.1 * unit()],
+            ["/damping/ratio", 0.01 + 0.05 * unit()],
+        ]);
+        let pinned = json!([["/excitation/peak_n", (20.0 * unit()).ceil()]]);
+        let views = json!([{ "view": "law", "width": 460 }, { "view": "frf", "width": 460 }]);
+        let asked = json!({ "tab": "bench", "part": "hit", "views": views, "changes": changes,
+                            "pinned": pinned });
+        answer(url, &asked.to_string());
+        if input == RANDOM_INPUTS / 10 {
+            before = memory();
+        }
+    }
+    let seconds = begun.elapsed().as_secs_f64();
+    println!("{RANDOM_INPUTS} random inputs in {seconds:.1} s");
+    if let (Some(before), Some(after)) = (before, memory()) {
+        println!("memory after a tenth of them {before:.0} MB, after all {after:.0} MB");
+    }
+}
+
+/// Resident memory \[MB\]; none where the system does not tell.
+fn memory() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = text.lines().find(|line| line.starts_with("VmRSS:"))?;
+    Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? / 1024.0)
 }
 
 /// Sends a request and reads its answer to the end.

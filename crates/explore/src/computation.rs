@@ -38,7 +38,7 @@ pub(crate) struct Results {
     pub(crate) tables: Vec<(String, String)>,
 }
 
-/// What is computed beside the figures.
+/// Additions to the computed figures.
 #[derive(Clone, Copy)]
 pub(crate) struct Beside<'a> {
     /// Measured hits, drawn with the computed ones.

@@ -1,4 +1,4 @@
-//! What can be changed in a scenario, found by walking its JSON Schema beside its values: a key that is new in
+//! Values of a scenario that can be changed, found by walking its JSON Schema beside its values: a key that is new in
 //! the schema appears by itself.
 
 use asperity_law::{Draw, LawSpec};
@@ -22,7 +22,7 @@ pub(crate) struct Group {
 pub(crate) struct Control {
     pointer: String,
     label: String,
-    /// What the value means, from the schema.
+    /// Meaning of the value, from the schema.
     help: String,
     #[serde(flatten)]
     kind: Kind,
@@ -279,7 +279,7 @@ impl<'a> Walker<'a> {
         })
     }
 
-    /// What is chosen of a list of words, of laws by name, or of kinds of an object, and the list.
+    /// The choice among words, laws by name, or kinds of an object, with the list.
     fn choices(
         &self,
         node: &'a Value,
@@ -298,8 +298,13 @@ impl<'a> Walker<'a> {
             return Some((chosen, laws.keys().map(choice).collect()));
         }
         let kind = value.and_then(|value| value.get("kind")).and_then(Value::as_str);
-        if value.is_some() && kind.is_none() {
-            return None;
+        if kind.is_none() {
+            if let Some(optional) = self.optional(node, value, pointer) {
+                return Some(optional);
+            }
+            if value.is_some() {
+                return None;
+            }
         }
         let mut branches = Vec::new();
         self.kinds(node, &mut branches);
@@ -317,7 +322,7 @@ impl<'a> Walker<'a> {
                     let law = new_laws.iter().find(|law| law.get("kind") == Some(&json!(name)));
                     return law.cloned();
                 }
-                self.skeleton(branch, name, value)
+                self.skeleton(branch, Some(name), value)
             };
             let own = value.filter(|_| kind == Some(name)).cloned();
             if let Some(value) = own.or_else(new) {
@@ -326,6 +331,24 @@ impl<'a> Walker<'a> {
         }
         let chosen = kind.unwrap_or("none").to_owned();
         (!options.is_empty()).then_some((chosen, options))
+    }
+
+    /// The choice to give an object that the scenario of the file leaves out and that has no kinds, such as
+    /// friction.
+    fn optional(
+        &self,
+        node: &'a Value,
+        value: Option<&Value>,
+        pointer: &str,
+    ) -> Option<(String, Vec<Choice>)> {
+        let is_left_out = self.base.pointer(pointer).is_none() && default_of(node).is_none();
+        if !is_left_out || text_of(node, "type") != "object" || node.get("properties").is_none() {
+            return None;
+        }
+        let given = self.skeleton(node, None, value)?;
+        let choice = |label: &str, value: Value| Choice { label: label.to_owned(), value };
+        let options = vec![choice("none", Value::Null), choice("given", given)];
+        Some((if value.is_some() { "given" } else { "none" }.to_owned(), options))
     }
 
     /// The branches of a union that have a kind.
@@ -364,11 +387,18 @@ impl<'a> Walker<'a> {
         laws.iter().map(|law| json!(law)).collect()
     }
 
-    /// An object of a kind with numbers for its keys, those of the present object where it has them; none
+    /// An object, of a kind if it has one, with numbers for its keys, those of the present object where it has them; none
     /// where it needs something else.
-    fn skeleton(&self, branch: &'a Value, kind: &str, present: Option<&Value>) -> Option<Value> {
+    fn skeleton(
+        &self,
+        branch: &'a Value,
+        kind: Option<&str>,
+        present: Option<&Value>,
+    ) -> Option<Value> {
         let mut object = Map::new();
-        object.insert("kind".to_owned(), json!(kind));
+        if let Some(kind) = kind {
+            object.insert("kind".to_owned(), json!(kind));
+        }
         let alternative = alternatives(branch).into_iter().next();
         let required = branch.get("required").and_then(Value::as_array);
         let required = required.into_iter().flatten().filter_map(Value::as_str);

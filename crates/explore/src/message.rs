@@ -129,21 +129,21 @@ pub(crate) struct ViewSize {
 }
 
 impl StateRequest {
-    /// What is wrong with the request, if anything.
+    /// The fault of the request, if it has one.
     pub(crate) fn fault(&self) -> Option<String> {
         too_many(&self.changes)
     }
 }
 
 impl KeepRequest {
-    /// What is wrong with the request, if anything.
+    /// The fault of the request, if it has one.
     pub(crate) fn fault(&self) -> Option<String> {
         too_many(&self.changes).or_else(|| too_many_views(self.views.len()))
     }
 }
 
 impl ComputeRequest {
-    /// What is wrong with the request, if anything.
+    /// The fault of the request, if it has one.
     pub(crate) fn fault(&self) -> Option<String> {
         if self.tab.is_empty() || self.tab.len() > MOST_NAME {
             return Some(format!("tab has {} bytes; accepted: 1 to {MOST_NAME}", self.tab.len()));

@@ -94,7 +94,7 @@ pub struct Server {
     session: Session,
 }
 
-/// What requests share.
+/// State that requests share.
 #[derive(Debug)]
 struct Site {
     address: SocketAddr,
@@ -269,7 +269,7 @@ fn parsed<T: serde::de::DeserializeOwned>(
     }
 }
 
-/// What can be changed in a state.
+/// Answers with the controls of a state.
 async fn state(Shared(site): Shared<Arc<Site>>, body: Bytes) -> Response {
     let request = match parsed(&body, StateRequest::fault) {
         Ok(request) => request,

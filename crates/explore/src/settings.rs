@@ -122,7 +122,7 @@ impl Settings {
         }
     }
 
-    /// What is wrong with the settings, if anything.
+    /// The fault of the settings, if they have one.
     pub(crate) fn fault(&self) -> Option<String> {
         let levels = self.levels.filter(|count| !LEVELS.contains(count)).map(|count| {
             format!("{count} levels; accepted: {} to {}", LEVELS.start(), LEVELS.end())

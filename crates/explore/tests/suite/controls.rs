@@ -83,6 +83,25 @@ fn units_are_those_of_the_keys() {
     }
 }
 
+/// Friction that a scenario leaves out can be added.
+#[test]
+fn friction_is_added_from_nothing() {
+    let page = Page::new();
+    let friction = |state: &Value| {
+        let all = controls(state);
+        all.into_iter().find(|one| one["pointer"] == "/interfaces/0/friction").unwrap()
+    };
+    let none = friction(&state(&page, &json!([])));
+    assert_eq!((&none["label"], &none["chosen"]), (&json!("Friction"), &json!("none")));
+    let given = &none["options"][1]["value"];
+    let with = state(&page, &json!([["/interfaces/0/friction", given]]));
+    assert_eq!(friction(&with)["chosen"], "given");
+    assert!(with["faults"].as_array().unwrap().is_empty(), "{}", with["faults"]);
+    assert!(
+        controls(&with).iter().any(|one| one["pointer"] == "/interfaces/0/friction/slip_force_n")
+    );
+}
+
 /// Every option of every choice of the scenarios is accepted.
 #[test]
 fn every_choice_gives_a_valid_scenario() {

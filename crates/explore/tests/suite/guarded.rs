@@ -1,4 +1,4 @@
-//! Who is answered, and what is refused.
+//! Requests that are answered, and those that are refused.
 
 use serde_json::json;
 

@@ -6,5 +6,6 @@ mod computed;
 mod controls;
 mod guarded;
 mod kept;
+mod matrices;
 mod measured;
 mod script;
