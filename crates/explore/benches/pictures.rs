@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 
 /// Inputs of a median, and random ones.
 const INPUTS: usize = 40;
-const RANDOM_INPUTS: usize = 2000;
+const RANDOM_INPUTS: usize = 1000;
 
 fn main() {
     let rig = "../../fixtures/scenarios/nouira2020-modified.json";

@@ -274,13 +274,16 @@ fn picture(place: ViewSize, results: &Results, pinned: Option<&Results>) -> Answ
                 Some(Ok(earlier)) => figure.over(&earlier, "pinned"),
                 _ => figure,
             };
-            let drawn = laid_out(figure, place).to_interactive();
+            let drawn = laid_out(figure, place).to_interactive(COLUMNS);
             Answer::Picture { view, svg: drawn.svg, data: drawn.data }
         }
         Some(Err(reason)) => Answer::Absent { view, reason },
         None => Answer::Absent { view, reason: "there is no result".to_owned() },
     }
 }
+
+/// Columns of points of a panel: some three a pixel, for a zoom.
+const COLUMNS: usize = 1200;
 
 /// Pixels a millimetre of a figure on the page: text of 7 points has 11 pixels.
 const PIXELS_PER_MM: f64 = 4.4;

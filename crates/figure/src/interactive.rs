@@ -28,19 +28,19 @@ pub struct InteractiveFigure {
 
 /// Most points of a line: four a column.
 const COLUMNS: (usize, usize) = (400, 5000);
-/// Most columns of all lines of a panel.
-const MOST_COLUMNS: usize = 30_000;
 
 /// The data of a figure as JSON, an object for each panel that is not blank.
 pub(crate) fn data<'a, 'b: 'a>(
     figure: &Figure,
     plots: impl Iterator<Item = &'a Plot<'b>>,
+    columns: usize,
 ) -> String {
-    let panels: Vec<String> = plots.filter(|plot| !plot.panel.blank).map(panel).collect();
+    let plots = plots.filter(|plot| !plot.panel.blank);
+    let panels: Vec<String> = plots.map(|plot| panel(plot, columns)).collect();
     format!("{{\"title\":{},\"panels\":[{}]}}", quoted(&figure.title), panels.join(",\n"))
 }
 
-fn panel(plot: &Plot<'_>) -> String {
+fn panel(plot: &Plot<'_>, columns: usize) -> String {
     let frame = &plot.frame;
     let frame = numbers([frame.left, frame.top, frame.right, frame.bottom]);
     let axis = |ruler: &crate::ruler::Ruler, axis: &crate::Axis| {
@@ -66,7 +66,7 @@ fn panel(plot: &Plot<'_>) -> String {
         )
     };
     let lines = plot.panel.series.iter().filter(|series| series.join == Join::Line).count();
-    let columns = (MOST_COLUMNS / lines.max(1)).clamp(COLUMNS.0, COLUMNS.1);
+    let columns = (columns / lines.max(1)).clamp(COLUMNS.0, COLUMNS.1);
     let column = plot.frame.width() / columns as f64;
     let series = plot.panel.series.iter().enumerate();
     let series: Vec<String> =
