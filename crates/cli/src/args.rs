@@ -118,6 +118,31 @@ pub(crate) enum Command {
         #[arg(long, value_name = "N")]
         threads: Option<usize>,
     },
+    /// Serve a live page of the scenario to the browser of this machine: move its numbers, and see laws,
+    /// responses and steady branches drawn anew.
+    ///
+    /// Prints the address of the page, whose token keeps others out, and opens the browser where there is
+    /// one. Nothing is fetched from elsewhere. Ctrl-C ends it.
+    Explore {
+        #[command(flatten)]
+        input: Input,
+        /// Port of the address 127.0.0.1. Default: a free one.
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+        port: Option<u16>,
+        /// Print the address alone, and open no browser.
+        #[arg(long)]
+        no_browser: bool,
+        /// Folder for what the page saves, which is made then. Default: out/ and the name of the scenario's
+        /// file with -explore.
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Open the page in this state: the part of its address after #.
+        #[arg(long, value_name = "TEXT")]
+        state: Option<String>,
+        /// Show the hits of this analysis beside the computed ones, with chi-square by feature.
+        #[arg(long, value_name = "ANALYSIS.json")]
+        data: Option<PathBuf>,
+    },
     /// Tabulate every law of the scenario: pressure, stiffness, closure, energy.
     ///
     /// Writes law-NAME.csv for each law, law.json and law.svg, and with --export contacts-FORMAT.inp.

@@ -5,6 +5,7 @@ pub(crate) mod check;
 pub(crate) mod completions;
 pub(crate) mod convert;
 pub(crate) mod decay;
+pub(crate) mod explore;
 pub(crate) mod identify;
 pub(crate) mod inspect;
 pub(crate) mod law;

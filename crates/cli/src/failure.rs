@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use asperity_experiment::{AnalysisError, FUNCTION_ROLE};
+use asperity_explore::ExploreError;
 use asperity_figure::FigureError;
 use asperity_identify::IdentificationError;
 use asperity_measure::MeasureError;
@@ -78,6 +79,8 @@ pub(crate) enum Failure {
     StoppedStudy { file: PathBuf, folder: PathBuf, shard: String },
     #[error("stopped; {} holds what was finished", .0.display())]
     Stopped(PathBuf),
+    #[error(transparent)]
+    Explore(#[from] ExploreError),
     #[error("the answer cannot be written to standard output: {0}")]
     Answer(std::io::Error),
 }

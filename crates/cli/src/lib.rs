@@ -27,6 +27,7 @@ mod usage;
 
 use std::ffi::OsString;
 
+use asperity_explore::ExploreOptions;
 use clap::{ColorChoice, CommandFactory, FromArgMatches};
 
 use args::{Args, Command};
@@ -87,6 +88,12 @@ fn execute(args: &Args) -> Result<(), Failure> {
         }
         Command::Steady { input, output, range, threads } => {
             command::steady::run(input, output, range, *threads, args.quiet)
+        }
+        Command::Explore { input, port, no_browser, state, out, data } => {
+            let mut options = ExploreOptions::default();
+            (options.port, options.out, options.data) = (*port, out.clone(), data.clone());
+            options.set.clone_from(&input.set);
+            command::explore::run(input, &options, state.as_deref(), *no_browser, args.quiet)
         }
         Command::Law { input, output, export, fit, import_gaps } => {
             command::law::run(input, output, export, fit.as_deref(), import_gaps.as_deref())

@@ -78,6 +78,15 @@ impl Axis {
         self
     }
 
+    /// Widens fixed ends to those of another axis.
+    pub(crate) fn widen(&mut self, other: &Self) {
+        let pair = |own: Option<f64>, other: Option<f64>, of: fn(f64, f64) -> f64| {
+            own.map(|own| other.map_or(own, |other| of(own, other)))
+        };
+        self.low = pair(self.low, other.low, f64::min);
+        self.high = pair(self.high, other.high, f64::max);
+    }
+
     /// The value shown for a datum, NaN where this axis cannot show it.
     pub(crate) fn shown(&self, datum: f64) -> f64 {
         let value = datum * self.factor;

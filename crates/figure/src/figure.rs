@@ -67,6 +67,49 @@ impl Figure {
         self
     }
 
+    /// Draws the lines and points of another figure in grey below those of each panel with the same axis
+    /// labels, under `name` in the legend of the first; fixed ranges are widened to hold both.
+    ///
+    /// ```
+    /// use asperity_figure::{Axis, Figure, Panel, Series};
+    /// let drawn = |y: [f64; 2]| {
+    ///     let panel = Panel::new(Axis::linear("x", ""), Axis::linear("y", ""));
+    ///     Figure::new("now").panel(panel.series(Series::line("now", [0.0, 1.0], y)))
+    /// };
+    /// let both = drawn([1.0, 2.0]).over(&drawn([3.0, 4.0]), "before");
+    /// assert!(both.to_svg().contains("before"));
+    /// ```
+    #[must_use]
+    pub fn over(mut self, earlier: &Self, name: &str) -> Self {
+        let mut name = Some(name);
+        for (panel, other) in self.pairs(earlier) {
+            panel.put_over(other, name.take().unwrap_or_default());
+        }
+        self
+    }
+
+    /// Adds the series of another figure to the panels with the same axis labels; fixed ranges are widened to
+    /// hold both.
+    #[must_use]
+    pub fn with(mut self, other: &Self) -> Self {
+        for (panel, other) in self.pairs(other) {
+            panel.put_series(other);
+        }
+        self
+    }
+
+    /// The panels with their partners of the same axes in another figure.
+    fn pairs<'a>(
+        &'a mut self,
+        other: &'a Self,
+    ) -> impl Iterator<Item = (&'a mut Panel, &'a Panel)> {
+        let mut others: Vec<&Panel> = other.panels.iter().collect();
+        self.panels.iter_mut().filter_map(move |panel| {
+            let at = others.iter().position(|other| panel.has_axes_of(other))?;
+            Some((panel, others.remove(at)))
+        })
+    }
+
     /// Checks that everything can be drawn.
     ///
     /// # Errors

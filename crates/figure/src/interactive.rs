@@ -12,21 +12,35 @@ use crate::{
 };
 use std::fmt::Write as _;
 
+/// The script that zooms interactive figures and shows their values at the pointer, as the top level of an ES
+/// module: `interactive(svg, data, id)` takes the `svg` element of a figure on the page, its parsed data and
+/// an identifier that is unique on the page. Values appear in an element of the class `tip`.
+pub const INTERACTIVE_SCRIPT: &str = include_str!("interactive.js");
+
+/// A figure that [`INTERACTIVE_SCRIPT`] zooms and reads out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct InteractiveFigure {
+    /// SVG text.
+    pub svg: String,
+    /// Points, axes and frames of its panels as JSON.
+    pub data: String,
+}
+
 /// Most points of a line: four a column.
 const COLUMNS: (usize, usize) = (400, 5000);
-/// Most columns of all lines of a panel.
-const MOST_COLUMNS: usize = 30_000;
 
 /// The data of a figure as JSON, an object for each panel that is not blank.
 pub(crate) fn data<'a, 'b: 'a>(
     figure: &Figure,
     plots: impl Iterator<Item = &'a Plot<'b>>,
+    columns: usize,
 ) -> String {
-    let panels: Vec<String> = plots.filter(|plot| !plot.panel.blank).map(panel).collect();
+    let plots = plots.filter(|plot| !plot.panel.blank);
+    let panels: Vec<String> = plots.map(|plot| panel(plot, columns)).collect();
     format!("{{\"title\":{},\"panels\":[{}]}}", quoted(&figure.title), panels.join(",\n"))
 }
 
-fn panel(plot: &Plot<'_>) -> String {
+fn panel(plot: &Plot<'_>, columns: usize) -> String {
     let frame = &plot.frame;
     let frame = numbers([frame.left, frame.top, frame.right, frame.bottom]);
     let axis = |ruler: &crate::ruler::Ruler, axis: &crate::Axis| {
@@ -45,13 +59,14 @@ fn panel(plot: &Plot<'_>) -> String {
         );
         format!(
             "{{\"low\":{low:e},\"high\":{high:e},\"log\":{log},\"exponent\":{exponent},\
-             \"label\":{},\"unit\":{},\"ticks\":{ticks}}}",
+             \"factor\":{:e},\"label\":{},\"unit\":{},\"ticks\":{ticks}}}",
+            axis.factor,
             quoted(&html(&axis.label)),
             quoted(&html(&axis.unit))
         )
     };
     let lines = plot.panel.series.iter().filter(|series| series.join == Join::Line).count();
-    let columns = (MOST_COLUMNS / lines.max(1)).clamp(COLUMNS.0, COLUMNS.1);
+    let columns = (columns / lines.max(1)).clamp(COLUMNS.0, COLUMNS.1);
     let column = plot.frame.width() / columns as f64;
     let series = plot.panel.series.iter().enumerate();
     let series: Vec<String> =

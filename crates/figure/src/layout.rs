@@ -3,7 +3,7 @@
 use crate::{
     Color, Figure, FigureError, Legend, Marker, Panel,
     frame::Frame,
-    interactive,
+    interactive::{self, InteractiveFigure},
     legend::LegendBlock,
     markup::PX_PER_MM,
     note, pdf,
@@ -26,15 +26,20 @@ const ASPECT: (f64, f64, f64) = (0.74, 46.0, 68.0);
 impl Figure {
     /// The figure as SVG text. A panel that [`Figure::check`] refuses shows the error in red.
     pub fn to_svg(&self) -> String {
-        self.drawn(Canvas::default()).0
+        self.drawn(Canvas::default(), 0).0
     }
 
-    /// The figure as SVG text whose moving parts are grouped, and its points as JSON.
-    pub(crate) fn to_interactive(&self) -> (String, String) {
-        self.drawn(Canvas::grouped())
+    /// The figure for [`INTERACTIVE_SCRIPT`](crate::INTERACTIVE_SCRIPT): as SVG text whose moving parts are
+    /// grouped, and its points as JSON.
+    ///
+    /// - `columns`: number of columns into which the points of a panel are gathered, over its lines; at least 400
+    ///   and at most 5000 of a line. More show more in a zoom.
+    pub fn to_interactive(&self, columns: usize) -> InteractiveFigure {
+        let (svg, data) = self.drawn(Canvas::grouped(), columns);
+        InteractiveFigure { svg, data }
     }
 
-    fn drawn(&self, mut canvas: Canvas) -> (String, String) {
+    fn drawn(&self, mut canvas: Canvas, columns: usize) -> (String, String) {
         let interactive = canvas.is_grouped();
         let page = PageLayout::new(self);
         // A legend without a free place goes above its frame, which moves the frames: once.
@@ -60,7 +65,7 @@ impl Figure {
             page.head(&mut canvas, self, index, (*start, plot), heads[index]);
         }
         let data = if interactive {
-            interactive::data(self, plots.iter().map(|(_, plot)| plot))
+            interactive::data(self, plots.iter().map(|(_, plot)| plot), columns)
         } else {
             String::new()
         };

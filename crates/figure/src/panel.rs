@@ -127,6 +127,37 @@ impl Panel {
         if self.shows(&series) { self.series(series) } else { self }
     }
 
+    /// True if both axes have the labels, units and scales of another panel's.
+    pub(crate) fn has_axes_of(&self, other: &Self) -> bool {
+        let same = |a: &Axis, b: &Axis| a.label == b.label && a.unit == b.unit && a.log == b.log;
+        !self.blank && same(&self.x_axis, &other.x_axis) && same(&self.y_axis, &other.y_axis)
+    }
+
+    /// Adds the series of another panel.
+    pub(crate) fn put_series(&mut self, other: &Self) {
+        self.x_axis.widen(&other.x_axis);
+        self.y_axis.widen(&other.y_axis);
+        self.series.extend(other.series.iter().cloned());
+    }
+
+    /// Puts the lines and points of another panel below the own ones, in grey.
+    pub(crate) fn put_over(&mut self, other: &Self, name: &str) {
+        self.x_axis.widen(&other.x_axis);
+        self.y_axis.widen(&other.y_axis);
+        // Colours go by the number of a series, which changes.
+        let colors: Vec<Color> = (0..self.series.len()).map(|at| self.series_color(at)).collect();
+        for (series, color) in self.series.iter_mut().zip(colors) {
+            series.color = Some(color);
+        }
+        let drawn = other.series.iter().filter(|series| series.lower.is_empty());
+        let mut below: Vec<Series> =
+            drawn.map(|series| series.clone().below(Color::GREY.lighten(0.35))).collect();
+        if let Some(first) = below.first_mut() {
+            name.clone_into(&mut first.name);
+        }
+        self.series.splice(0..0, below);
+    }
+
     /// True if the panel has no series.
     pub fn is_empty(&self) -> bool {
         self.series.is_empty()

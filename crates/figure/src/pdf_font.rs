@@ -17,7 +17,7 @@ const SYSTEM: SystemInfo<'_> =
 /// The fonts of a page and the glyphs shown of each, with their characters.
 pub(crate) struct Fonts<'a> {
     database: &'a fontdb::Database,
-    /// Glyphs used of each of [`text::FONTS`].
+    /// Glyphs used of each of [`text::BUNDLED_FONTS`].
     used: [BTreeMap<u16, String>; 3],
     places: BTreeMap<fontdb::ID, Option<usize>>,
 }
@@ -44,7 +44,7 @@ impl<'a> Fonts<'a> {
     pub(crate) fn use_glyph(&mut self, glyph: &PositionedGlyph) -> Result<UsedFont, FigureError> {
         let database = self.database;
         let place = self.places.entry(glyph.font).or_insert_with(|| {
-            let same = |data: &[u8]| text::FONTS.iter().position(|font| *font == data);
+            let same = |data: &[u8]| text::BUNDLED_FONTS.iter().position(|font| font.data == data);
             database.with_face_data(glyph.font, |data, _| same(data)).flatten()
         });
         let index = place.ok_or(FigureError::NotInPdf { what: "fonts that are not bundled" })?;
@@ -77,7 +77,7 @@ fn resource_name(index: usize) -> String {
 }
 
 fn font(index: usize) -> Result<FontRef<'static>, FigureError> {
-    FontRef::new(text::FONTS[index])
+    FontRef::new(text::BUNDLED_FONTS[index].data)
         .map_err(|error| FigureError::Encoding { reason: error.to_string() })
 }
 
@@ -95,7 +95,7 @@ fn write(
     let [composite, descendant, descriptor, file, characters] =
         [0, 1, 2, 3, 4].map(|offset| Ref::new(first + offset));
     let name = Name([&b"Inter-Regular"[..], b"Inter-Bold", b"NotoSansMath-Regular"][index]);
-    let data = text::FONTS[index];
+    let data = text::BUNDLED_FONTS[index].data;
     // Both containers start with their kind: "OTTO" for the PostScript outlines.
     let postscript = data.starts_with(b"OTTO");
     let font = font(index)?;

@@ -4,6 +4,11 @@ mod embed;
 mod html;
 mod markdown;
 
+use crate::interactive::InteractiveFigure;
+
+/// Columns of points of a panel of an interactive figure.
+const COLUMNS: usize = 30_000;
+
 /// Outcome of comparing a number with a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -200,7 +205,7 @@ impl Report {
         caption: impl Into<String>,
         figure: &crate::Figure,
     ) -> Self {
-        let (svg, data) = figure.to_interactive();
+        let InteractiveFigure { svg, data } = figure.to_interactive(COLUMNS);
         self.with(ReportBlock::Figure { id: id.into(), caption: caption.into(), svg, data })
     }
 

@@ -225,6 +225,15 @@ impl Series {
         self
     }
 
+    /// The series as a reference for others: in one colour, without a name and error bars.
+    pub(crate) fn below(mut self, color: Color) -> Self {
+        self.name = String::new();
+        self.error_x.clear();
+        self.error_y.clear();
+        self.width = self.width.max(1.4);
+        self.color(color)
+    }
+
     /// Every abscissa and ordinate the series reaches, as pairs.
     pub(crate) fn extent(&self) -> impl Iterator<Item = (f64, f64)> {
         let pair = |values| self.x.iter().copied().zip(values);

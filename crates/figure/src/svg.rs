@@ -166,8 +166,8 @@ impl Canvas {
 /// on every machine.
 pub(crate) fn parse(svg: &str) -> Result<usvg::Tree, FigureError> {
     let mut fonts = usvg::fontdb::Database::new();
-    for data in text::FONTS {
-        fonts.load_font_data(data.to_vec());
+    for font in text::BUNDLED_FONTS {
+        fonts.load_font_data(font.data.to_vec());
     }
     fonts.set_sans_serif_family(text::FAMILY);
     fonts.set_serif_family(text::FAMILY);

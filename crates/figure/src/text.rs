@@ -15,8 +15,23 @@ pub(crate) const MATH_FAMILY: &str = "Noto Sans Math";
 /// Noto Sans Math, subset (see `assets/LICENSE-fonts.txt`).
 pub(crate) const MATH: &[u8] = include_bytes!("../assets/NotoSansMath-Regular.ttf");
 
-/// All bundled fonts.
-pub(crate) const FONTS: [&[u8]; 3] = [REGULAR, BOLD, MATH];
+/// A font of the figures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BundledFont {
+    /// Name of the family.
+    pub family: &'static str,
+    /// Weight of CSS: 400 regular, 700 bold.
+    pub weight: u16,
+    /// Its file, of the OpenType format.
+    pub data: &'static [u8],
+}
+
+/// The fonts of the figures, for pages that show them.
+pub const BUNDLED_FONTS: [BundledFont; 3] = [
+    BundledFont { family: FAMILY, weight: 400, data: REGULAR },
+    BundledFont { family: FAMILY, weight: 700, data: BOLD },
+    BundledFont { family: MATH_FAMILY, weight: 400, data: MATH },
+];
 
 /// Font size of tick labels, notes and legends, 7 pt.
 pub(crate) const LABEL_FONT: f64 = 7.0 * PX_PER_PT;

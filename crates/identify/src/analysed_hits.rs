@@ -20,7 +20,7 @@ use serde_json::{Map, Value};
 use crate::data_files::{problem, read};
 use crate::error::IdentificationError;
 use crate::measured_forces::HitSource;
-use crate::problem::{Changes, HitSpec, Measured, Uncertain};
+use crate::problem::{Changes, HitSpec, Measured, Uncertain, default_features};
 
 /// Least degrees of freedom of a scatter.
 const LEAST_DEGREES: usize = 3;
@@ -63,6 +63,16 @@ const EXPECTED: &str = "the analysis.json that asperity analyse writes";
 pub(super) fn read_analysis(path: &Path) -> Result<Map<String, Value>, IdentificationError> {
     serde_json::from_str(&read(path)?)
         .map_err(|error| problem(path, format!("line {}: {error}", error.line()), EXPECTED))
+}
+
+/// The averaged hits of an `analysis.json` with their fundamental and harmonic ratio; standard deviations are at
+/// least the scatter of repeated hits, as an identification takes them unless told otherwise.
+///
+/// # Errors
+/// [`IdentificationError`] for a file that is not the analysis of hits, or has no averaged hit.
+pub fn measured_hits(path: &Path) -> Result<Vec<HitSpec>, IdentificationError> {
+    let analysis = read_analysis(path)?;
+    Ok(analysed_hits(path, &analysis, &default_features(), true)?.hits)
 }
 
 /// The hits of an analysis with these features; with `repeated`, standard deviations are at least the

@@ -85,6 +85,7 @@ mod stepped_sine;
 mod tests;
 mod work;
 
+pub use analysed_hits::measured_hits;
 pub use checks::PredictiveCheck;
 pub use conclusions::PressureDependence;
 pub use design::{CandidateMeasurement, DesignRanking, MeasurementKind};

@@ -16,6 +16,7 @@ use serde_json::{Map, Value};
 
 use asperity_scenario::schema_of;
 
+pub(crate) use data::default_features;
 pub use data::{
     AnalysisRef, Cell, Changes, DataSpec, HitConditionsSpec, HitSpec, Measured, PulseSpec,
     RecordChannelSpec, RecordRef, RecordSpec, RigRef, SpreadSpec, TableRef, Uncertain,

@@ -81,7 +81,7 @@ pub(super) fn quantity_axis(quantity: Quantity, label: impl Into<String>) -> Axi
 
 /// Words and SI unit of the value at a JSON Pointer of a scenario, such as `Mass of body 1` and kg for
 /// `/bodies/0/mass_kg`. Other names are their own words.
-pub(super) fn pointer_words(pointer: &str) -> (String, &'static str) {
+pub fn pointer_words(pointer: &str) -> (String, &'static str) {
     let Some(path) = pointer.strip_prefix('/') else {
         return (pointer.to_owned(), "");
     };

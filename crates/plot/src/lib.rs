@@ -5,7 +5,7 @@
 //!
 //! | result | figures | page |
 //! |---|---|---|
-//! | transient run | [`history`], [`frf`] | |
+//! | transient run | [`history`], [`frf`] | in the words of [`run_words`] |
 //! | sweep | [`sweep`] | |
 //! | laws, modes | [`laws`], [`modes`] | |
 //! | contact patches at rest | [`pressure_maps`] | |
@@ -37,6 +37,7 @@ mod identification;
 mod magnitude;
 mod pressure_map;
 mod response;
+mod run_words;
 mod steady;
 pub mod steady_words;
 mod structure;
@@ -46,15 +47,17 @@ use asperity_figure::{Figure, Panel};
 
 pub use analysis::{analysis_report, figures, responses};
 pub use answers::answers;
+pub use axes::pointer_words;
 pub use decay::{decay_figures, decay_report};
 pub use frf_file::frf_file;
 pub use identification::{feature_name, identification, identification_report, measurement};
 pub use magnitude::MagnitudeAxis;
 pub use pressure_map::pressure_maps;
-pub use response::{frf, history};
+pub use response::{frf, history, measured_frf};
+pub use run_words::run_words;
 pub use steady::{steady, steady_report};
-pub use structure::{laws, modes};
-pub use sweep::sweep;
+pub use structure::{VisitedRange, laws, laws_visited, modes};
+pub use sweep::{measured_levels, sweep};
 
 /// The text, cut to `most` characters.
 fn fitted(text: &str, most: usize) -> String {

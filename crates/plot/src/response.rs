@@ -95,3 +95,12 @@ pub fn frf(frf: &Frf, summary: &Summary, axis: MagnitudeAxis) -> Figure {
     let figure = Figure::new("Receptance").panel(upper).panel(lower);
     figure.columns(1).width_mm(120.0).row_height_mm(62.0)
 }
+
+/// A measured receptance \[m/N\]: a series for [`Figure::with`](asperity_figure::Figure::with) a figure of
+/// [`frf`].
+pub fn measured_frf(frequency: &[f64], magnitude: &[f64], axis: MagnitudeAxis) -> Figure {
+    let up = axis.axis("Receptance", "m/N", magnitude.iter().copied());
+    let shown: Vec<f64> = magnitude.iter().map(|value| axis.value(*value)).collect();
+    let line = Series::line("measured", frequency, shown).color(Color::RED);
+    Figure::new("Measured").panel(Panel::new(Axis::linear("Frequency", "Hz"), up).series(line))
+}

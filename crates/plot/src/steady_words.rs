@@ -1,12 +1,35 @@
 //! A branch of steady responses in words: its peak, its special points, and the reason for an end.
 
+use std::fmt::Write as _;
+
 use asperity_simulation::steady::{
-    BranchSummary, CondensationReason, IntegratedMotion, SteadyMotion, TerminationSummary,
-    TimeCheck, TimeSweepSummary,
+    BranchSummary, CondensationReason, IntegratedMotion, LevelSummary, SteadyMotion, SteadySummary,
+    TerminationSummary, TimeCheck, TimeSweepSummary,
 };
 
 /// Bifurcations of one kind that are listed one by one; of more, the range is given.
 const MOST_LISTED: usize = 4;
+
+/// The peak of each amplitude, or the reason why there is none, and the special points, as lines of text.
+pub fn branches(summary: &SteadySummary) -> String {
+    let mut text = String::new();
+    for level in &summary.levels {
+        let LevelSummary::Solved(branch) = level else { continue };
+        let (value, unit) = (branch.load.value(), branch.load.unit());
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{value:>10} {unit}   {}", peak(branch));
+        let further = advice(branch).map(str::to_owned).into_iter();
+        let further = further.chain([remarks(branch).join("; ")]);
+        for line in further.chain(branch.verify.map(|found| check(&found))) {
+            let _ = writeln!(text, "{:14} {line}", "");
+        }
+    }
+    for sweep in &summary.time_sweeps {
+        let (value, unit) = (sweep.load.value(), sweep.load.unit());
+        let _ = writeln!(text, "{value:>10} {unit}   {}", time_sweep(sweep));
+    }
+    text
+}
 
 /// The peak inside a complete branch, or the reason why there is none.
 pub fn peak(branch: &BranchSummary) -> String {

@@ -1,6 +1,6 @@
 //! Results of a sweep over its first numeric variation.
 
-use asperity_figure::{Figure, Legend, Panel, Series};
+use asperity_figure::{Color, Figure, Legend, Panel, Series};
 use asperity_simulation::quantity::Quantity;
 use asperity_simulation::sweep::{Sweep, Variation};
 
@@ -18,11 +18,12 @@ const MOST_NAME: usize = 44;
 const MOST_POINTS: usize = 500;
 
 /// The quantities drawn; of several interfaces the least value counts.
-const DRAWN: [Quantity; 4] = [
+const DRAWN: [Quantity; 5] = [
     Quantity::FundamentalFrequency,
     Quantity::FundamentalReceptance,
     Quantity::HarmonicRatio,
     Quantity::PressureMin,
+    Quantity::StiffnessAverage,
 ];
 
 /// A panel per observable, a line per combination of the other variations in their order;
@@ -69,4 +70,20 @@ pub fn sweep(sweep: &Sweep) -> Option<Figure> {
         panel
     });
     figure("Sweep", 2, 170.0, panels)
+}
+
+/// Measured values over the force, with bars of two standard deviations: series for
+/// [`Figure::with`](asperity_figure::Figure::with) a figure of a [`sweep`] over `pointer`.
+///
+/// - `columns`: quantities with their points: force, value, standard deviation, in SI units.
+pub fn measured_levels(pointer: &str, columns: &[(Quantity, Vec<[f64; 3]>)]) -> Figure {
+    let panel = |(quantity, points): &(Quantity, Vec<[f64; 3]>)| {
+        let column = |at: usize| -> Vec<f64> { points.iter().map(|point| point[at]).collect() };
+        let errors: Vec<f64> = points.iter().map(|point| 2.0 * point[2]).collect();
+        let series = Series::points("measured", column(0), column(1)).errors(errors);
+        let axis = quantity_axis(*quantity, quantity.label());
+        Panel::new(pointer_axis(pointer, MOST_LABEL), axis)
+            .series(series.color(Color::RED).marker_size(3.0).filled(true))
+    };
+    columns.iter().map(panel).fold(Figure::new("Measured"), Figure::panel)
 }

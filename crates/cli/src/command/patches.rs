@@ -9,7 +9,7 @@ use asperity_simulation::provenance::Provenance;
 use serde_json::json;
 
 use super::ResultFolder;
-use super::shown::{in_words, show_modes, with_percents, write_run};
+use super::shown::{show_modes, with_percents, write_run};
 use crate::args::Output;
 use crate::args::analyse::RecordFormat;
 use crate::args::figures::MagnitudeAxis;
@@ -45,7 +45,7 @@ pub(super) fn simulate(
     let summary = found.summary();
     let folder = folder.finish("summary.json", &json!(summary), output.json)?;
     if !output.json && !quiet {
-        answer!("{}", in_words(&summary.summary));
+        answer!("{}", asperity_plot::run_words(&summary.summary));
         answer!("{}", cells_in_words(&summary, &found.cells));
         answer_line!("written to {}", folder.display());
     }

@@ -1,11 +1,12 @@
 //! `asperity simulate`.
 
+use asperity_plot as plot;
 use asperity_simulation::assemble::Assembly;
 use asperity_simulation::run::simulate_with_progress;
 use serde_json::json;
 
 use super::ResultFolder;
-use super::shown::{in_words, with_percents, write_run};
+use super::shown::{with_percents, write_run};
 use crate::args::analyse::RecordFormat;
 use crate::args::figures::MagnitudeAxis;
 use crate::args::{Input, Output};
@@ -35,7 +36,7 @@ pub(crate) fn run(
     write_run(&folder, &run, record, magnitude)?;
     let folder = folder.finish("summary.json", &json!(run.summary), output.json)?;
     if !output.json && !quiet {
-        answer!("{}", in_words(&run.summary));
+        answer!("{}", plot::run_words(&run.summary));
         answer_line!("written to {}", folder.display());
     }
     Ok(())

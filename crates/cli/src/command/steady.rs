@@ -8,8 +8,8 @@ use asperity_simulation::patches::{assemble_patches, steady_cells};
 use asperity_simulation::provenance::Provenance;
 use asperity_simulation::static_state::StaticSummary;
 use asperity_simulation::steady::{
-    LevelSummary, Shaken, Steady, SteadyRequest, SteadySummary, TimeSweepRequest, backbone_table,
-    steady_table, steady_time_table, steady_with_progress,
+    Shaken, Steady, SteadyRequest, SteadySummary, TimeSweepRequest, backbone_table, steady_table,
+    steady_time_table, steady_with_progress,
 };
 use asperity_structure::PreloadedContact;
 use serde_json::{Value, json};
@@ -144,29 +144,8 @@ fn follow<S: Shaken>(
     folder.write("report.html", plot::steady_report(&summary, figure.as_ref()))?;
     let folder = folder.finish("summary.json", &json!(summary), output.json)?;
     if !output.json && !quiet {
-        print_branches(&summary)?;
+        answer!("{}", steady_words::branches(&summary));
         answer_line!("written to {}", folder.display());
     }
     failure.map_or(Ok(()), Err)
-}
-
-/// Prints the peak of each force amplitude, or the reason why there is none, and the special points.
-fn print_branches(summary: &SteadySummary) -> Result<(), Failure> {
-    for level in &summary.levels {
-        let LevelSummary::Solved(branch) = level else { continue };
-        let (value, unit) = (branch.load.value(), branch.load.unit());
-        answer_line!("{value:>10} {unit}   {}", steady_words::peak(branch));
-        if let Some(advice) = steady_words::advice(branch) {
-            answer_line!("{:14} {advice}", "");
-        }
-        answer_line!("{:14} {}", "", steady_words::remarks(branch).join("; "));
-        if let Some(check) = branch.verify {
-            answer_line!("{:14} {}", "", steady_words::check(&check));
-        }
-    }
-    for sweep in &summary.time_sweeps {
-        let (value, unit) = (sweep.load.value(), sweep.load.unit());
-        answer_line!("{value:>10} {unit}   {}", steady_words::time_sweep(sweep));
-    }
-    Ok(())
 }

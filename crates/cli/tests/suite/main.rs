@@ -8,6 +8,7 @@ mod command;
 mod contact_export;
 mod decay;
 mod diagnostics;
+mod explore;
 mod gap_import;
 mod help;
 mod identify;

@@ -64,7 +64,8 @@ fn the_commands_of_the_readme_succeed_and_lose_nothing() {
     let mut before = BTreeSet::new();
     let commands = commands();
     assert!(commands.len() > 10, "{commands:?}");
-    for command in commands {
+    // The live page is open until Ctrl-C.
+    for command in commands.into_iter().filter(|command| !command.starts_with("explore")) {
         let mut arguments: Vec<&str> = Vec::new();
         for word in command.split_whitespace() {
             match word {

@@ -1,6 +1,6 @@
 //! Content embedded in an HTML page: pictures with unique identifiers, and the fonts.
 
-use crate::text;
+use crate::text::{self, BundledFont};
 
 /// The `svg` element with its identifiers and the references to them prefixed.
 pub(super) fn inline(svg: &str, prefix: &str) -> String {
@@ -29,15 +29,11 @@ pub(super) fn paper_width(svg: &str) -> Option<f64> {
 
 /// The bundled fonts as style rules.
 pub(super) fn fonts() -> String {
-    [
-        font_face(text::FAMILY, 400, text::REGULAR),
-        font_face(text::FAMILY, 700, text::BOLD),
-        font_face(text::MATH_FAMILY, 400, text::MATH),
-    ]
-    .concat()
+    text::BUNDLED_FONTS.iter().map(font_face).collect()
 }
 
-fn font_face(family: &str, weight: u32, data: &[u8]) -> String {
+fn font_face(font: &BundledFont) -> String {
+    let BundledFont { family, weight, data } = font;
     // Both containers start with their kind: "OTTO" for the PostScript outlines.
     let kind = if data.starts_with(b"OTTO") { "otf" } else { "ttf" };
     let data = base64(data);

@@ -3,13 +3,14 @@
 use super::embed::{fonts, inline, paper_width};
 use super::{ClaimOutcome, Report, ReportBlock, TableCell, is_numeric};
 use crate::{
+    interactive::INTERACTIVE_SCRIPT,
     markup::{escape, number},
     text,
 };
 use std::collections::HashSet;
 
 const STYLE: &str = include_str!("style.css");
-const SCRIPT: &str = include_str!("interactive.js");
+const FIGURES: &str = include_str!("figures.js");
 const HINT: &str = "Figures: drag to zoom, double-click for the whole, shift and drag to move; values \
                     are shown at the pointer.";
 /// Most columns of a table that stays within the width of the text.
@@ -33,7 +34,9 @@ impl Report {
         let (title, heading) = (escape(&self.title), element("h1", &self.title));
         let (fonts, summary) = (fonts(), summary(self));
         let (hint, script) = if page.interactive {
-            (format!("<p class=\"hint\">{HINT}</p>\n"), format!("<script>\n{SCRIPT}</script>\n"))
+            let script =
+                format!("(() => {{\n\"use strict\";\n{INTERACTIVE_SCRIPT}{FIGURES}}})();\n");
+            (format!("<p class=\"hint\">{HINT}</p>\n"), format!("<script>\n{script}</script>\n"))
         } else {
             (String::new(), String::new())
         };

@@ -384,7 +384,7 @@ impl SpreadSpec {
     }
 }
 
-fn default_features() -> Vec<String> {
+pub(crate) fn default_features() -> Vec<String> {
     ["fundamental.frequency_hz", "fundamental.receptance_m_per_n", "harmonic_ratio"]
         .map(str::to_owned)
         .to_vec()

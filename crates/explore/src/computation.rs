@@ -1,0 +1,306 @@
+//! Results of a part for a state, and their figures.
+
+use asperity_figure::Figure;
+use asperity_plot::{self as plot, VisitedRange, steady_words};
+use asperity_scenario::{AnyScenario, Document, LawRef};
+use asperity_simulation::assemble::{Assembly, Interfaces};
+use asperity_simulation::error::SimulationError;
+use asperity_simulation::laws::ScenarioLaws;
+use asperity_simulation::output::file_name::distinct_file_names;
+use asperity_simulation::patches::{assemble_patches, simulate_patches};
+use asperity_simulation::provenance::Provenance;
+use asperity_simulation::record::{frf_columns, frf_csv, history_csv, law_csv};
+use asperity_simulation::run::{Run, receptance, simulate_with_progress};
+use asperity_simulation::static_state::StaticSummary;
+use asperity_simulation::steady::{
+    BodyModel, Shaken, Steady, SteadyRequest, SteadySummary, backbone_table, steady_table,
+    steady_with_progress,
+};
+use asperity_simulation::summary::InterfaceSummary;
+use asperity_simulation::sweep::{SweepError, Variation, sweep_with_progress};
+use thiserror::Error;
+
+use crate::measured::Measured;
+use crate::message::{Part, View};
+use crate::settings::{Settings, amplitude_pointer};
+use crate::state::State;
+
+/// Figures and words of a part.
+#[derive(Debug, Default)]
+pub(crate) struct Results {
+    /// A figure, or the reason why there is none.
+    pub(crate) figures: Vec<(View, Result<Figure, String>)>,
+    /// The numbers, as the command prints them.
+    pub(crate) words: String,
+    /// Error that left a part of the figures out.
+    pub(crate) error: Option<String>,
+    /// Names and texts of the tables, where they were asked for.
+    pub(crate) tables: Vec<(String, String)>,
+}
+
+/// Additions to the computed figures.
+#[derive(Clone, Copy)]
+pub(crate) struct Beside<'a> {
+    /// Measured hits, drawn with the computed ones.
+    pub(crate) measured: Option<&'a Measured>,
+    /// True to have the tables.
+    pub(crate) tables: bool,
+}
+
+/// A part that cannot be computed.
+#[derive(Debug, Error)]
+pub(crate) enum ComputationError {
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
+    #[error("{0}")]
+    Settings(String),
+}
+
+/// Receives the share that is done.
+pub(crate) type Progress<'a> = &'a (dyn Fn(f64) + Sync);
+
+/// Computes a part.
+pub(crate) fn compute(
+    part: Part,
+    state: &State,
+    settings: &Settings,
+    beside: Beside<'_>,
+    progress: Progress<'_>,
+) -> Result<Results, ComputationError> {
+    if let Some(fault) = settings.fault() {
+        return Err(ComputationError::Settings(fault));
+    }
+    match part {
+        Part::Hit => hit(state, settings, beside, progress),
+        Part::Levels => levels(&state.document, settings, beside, progress),
+        Part::Steady => steady(state, settings, beside, progress),
+    }
+}
+
+/// One hit. Laws are drawn also where the hit fails.
+fn hit(
+    state: &State,
+    settings: &Settings,
+    beside: Beside<'_>,
+    progress: Progress<'_>,
+) -> Result<Results, ComputationError> {
+    let document = &state.document;
+    match &state.scenario {
+        AnyScenario::Bars(scenario) => {
+            let run = simulate_with_progress(document, scenario, progress);
+            let interfaces = run.as_ref().map_or(&[][..], |run| &run.summary.interfaces);
+            let of_scenario = ScenarioLaws::of_bars(scenario);
+            let laws = of_scenario.and_then(|laws| laws_visited(laws, interfaces));
+            let laws = laws.map_err(|error| error.to_string());
+            let mut results = Results { figures: vec![(View::Law, laws)], ..Results::default() };
+            results.add(run.as_ref(), settings, beside)?;
+            if beside.tables {
+                let tables = ScenarioLaws::of_bars(scenario)?.tables()?;
+                let names = distinct_file_names(tables.iter().map(|law| law.name.as_str()));
+                let named = names.iter().zip(&tables);
+                let named = named.map(|(name, law)| (format!("law-{name}.csv"), law_csv(law)));
+                results.tables.extend(named);
+            }
+            Ok(results)
+        }
+        AnyScenario::Structure(scenario) => {
+            let found = simulate_patches(document, scenario, progress);
+            let laws = match &found {
+                Ok(found) => {
+                    let of_scenario =
+                        ScenarioLaws::of_structure(scenario, &found.run.summary.at_rest);
+                    laws_visited(of_scenario, &found.run.summary.interfaces)
+                        .map_err(|error| error.to_string())
+                }
+                Err(error) => Err(error.to_string()),
+            };
+            let mut results = Results { figures: vec![(View::Law, laws)], ..Results::default() };
+            results.add(found.as_ref().map(|found| &found.run), settings, beside)?;
+            Ok(results)
+        }
+    }
+}
+
+impl Results {
+    /// Adds the figures and words of a run, or its error.
+    fn add<S: Interfaces>(
+        &mut self,
+        run: Result<&Run<S>, &SimulationError>,
+        settings: &Settings,
+        beside: Beside<'_>,
+    ) -> Result<(), SimulationError> {
+        let run = match run {
+            Ok(run) => run,
+            Err(error) => {
+                self.error = Some(error.to_string());
+                return Ok(());
+            }
+        };
+        let notes = run.summary.warnings.iter().map(|warning| format!("note: {warning}"));
+        let words: Vec<String> = [plot::run_words(&run.summary)].into_iter().chain(notes).collect();
+        self.words = words.join("\n");
+        let axis = settings.magnitude.into();
+        let frf = receptance(run, 0)?.map(|frf| {
+            let highest = frf.frequency_hz.last().copied().unwrap_or_default();
+            let figure = plot::frf(&frf, &run.summary, axis);
+            match beside.measured.and_then(|measured| measured.frf(highest, axis)) {
+                Some(measured) => figure.with(&measured),
+                None => figure,
+            }
+        });
+        self.figures.push((View::Frf, frf.ok_or_else(|| "there is no load".to_owned())));
+        self.figures.push((View::History, Ok(plot::history(run))));
+        if beside.tables {
+            self.tables.push(("history.csv".to_owned(), history_csv(run)));
+            let columns = frf_columns(run)?.map(|columns| frf_csv(&columns));
+            self.tables.extend(columns.map(|text| ("frf.csv".to_owned(), text)));
+        }
+        Ok(())
+    }
+}
+
+/// The laws, with the pressures visited by a run.
+fn laws_visited(
+    mut named: ScenarioLaws,
+    visited: &[InterfaceSummary],
+) -> Result<Figure, SimulationError> {
+    // Laws that are written in place are drawn under the names of their interfaces.
+    for contact in &mut named.contacts {
+        if let LawRef::InPlace(law) = &contact.law {
+            named.laws.insert(contact.interface.clone(), (**law).clone());
+            contact.law = LawRef::Named(contact.interface.clone());
+        }
+    }
+    let mut ranges: Vec<VisitedRange> = Vec::new();
+    for (contact, found) in named.contacts.iter().zip(visited) {
+        let (low, high) = (found.pressure_min_pa, found.pressure_max_pa);
+        let law = contact.law.name();
+        match ranges.iter_mut().find(|range| range.law == law) {
+            Some(range) => (range.low, range.high) = (range.low.min(low), range.high.max(high)),
+            None => ranges.push(VisitedRange { law: law.to_owned(), low, high }),
+        }
+    }
+    Ok(plot::laws_visited(&named.tables()?, &ranges))
+}
+
+/// Hits of several forces.
+fn levels(
+    document: &Document,
+    settings: &Settings,
+    beside: Beside<'_>,
+    progress: Progress<'_>,
+) -> Result<Results, ComputationError> {
+    let variation = match level_variation(document, settings) {
+        Ok(variation) => Variation::parse(&variation).map_err(SweepError::from)?,
+        Err(reason) => {
+            let figures = vec![(View::Levels, Err(reason))];
+            return Ok(Results { figures, ..Results::default() });
+        }
+    };
+    let pointer = variation.pointer.clone();
+    let done = |done: usize, of: usize| progress(done as f64 / of as f64);
+    let sweep = sweep_with_progress(document, &[variation], &done)?;
+    let failed = sweep.failed().map(|(run, error)| format!("run {}: {error}", run + 1)).next();
+    let figure = plot::sweep(&sweep);
+    let mut figure =
+        figure.ok_or_else(|| failed.clone().unwrap_or_else(|| "nothing to draw".into()));
+    let mut words = format!("{} runs\n", sweep.runs.len());
+    if let Some(measured) = beside.measured {
+        figure = figure.map(|figure| figure.with(&measured.levels(&pointer)));
+        let at_hits = sweep_with_progress(document, &[measured.variation(&pointer)], &done)?;
+        words.push_str(&measured.words(&at_hits));
+    }
+    let table = beside.tables.then(|| ("levels.csv".to_owned(), sweep.csv()));
+    let tables = table.into_iter().collect();
+    Ok(Results { figures: vec![(View::Levels, figure)], words, error: failed, tables })
+}
+
+/// The variation of the levels, as `--vary` takes it.
+pub(crate) fn level_variation(document: &Document, settings: &Settings) -> Result<String, String> {
+    let pointer = amplitude_pointer(document.value())
+        .ok_or("the excitation has no amplitude; choose a kind of force")?;
+    let (Some(from), Some(to), Some(count)) =
+        (settings.level_from, settings.level_to, settings.levels)
+    else {
+        return Err("the levels are not known".to_owned());
+    };
+    Ok(format!("{pointer}={from}:{to}:{count}"))
+}
+
+/// Steady responses.
+fn steady(
+    state: &State,
+    settings: &Settings,
+    beside: Beside<'_>,
+    progress: Progress<'_>,
+) -> Result<Results, ComputationError> {
+    let document = &state.document;
+    let (Some(amplitudes), Some(from_hz), Some(to_hz)) =
+        (settings.amplitudes.clone(), settings.from_hz, settings.to_hz)
+    else {
+        return Err(ComputationError::Settings("the range is not known".to_owned()));
+    };
+    let request = SteadyRequest {
+        amplitudes,
+        from_hz,
+        to_hz,
+        harmonics: None,
+        backbone: settings.backbone,
+        verify: false,
+        bodies: BodyModel::Auto,
+        time_sweep: None,
+    };
+    let (found, at_rest, names, title, provenance) = match &state.scenario {
+        AnyScenario::Bars(scenario) => {
+            let assembly = Assembly::new(scenario, document.folder())?;
+            let found = branches(&assembly, &request, progress)?;
+            let provenance = Provenance::of_scenario(document, scenario)?;
+            let at_rest = StaticSummary::of(&assembly);
+            (found, at_rest, names(&assembly.structure), scenario.title.clone(), provenance)
+        }
+        AnyScenario::Structure(scenario) => {
+            let assembly = assemble_patches(scenario, document.folder())?;
+            let found = branches(&assembly, &request, progress)?;
+            let provenance = Provenance::of_structure(document, scenario)?;
+            let at_rest = assembly.structure.at_rest();
+            (found, at_rest, names(&assembly.structure), scenario.title.clone(), provenance)
+        }
+    };
+    let failed = found.levels.iter().find_map(|level| {
+        let error = level.outcome.as_ref().err()?;
+        Some(format!("{} {}: {error}", level.force_n, found.unit()))
+    });
+    let figure = plot::steady(&found);
+    let figure = figure.ok_or_else(|| failed.clone().unwrap_or_else(|| "nothing to draw".into()));
+    let summary = SteadySummary::new(title, at_rest, &found, provenance);
+    let words = steady_words::branches(&summary);
+    let mut tables = Vec::new();
+    if beside.tables {
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        tables.push(("steady.csv".to_owned(), steady_table(&found, &names).to_csv()));
+        let backbones = found.backbones.as_ref();
+        let table = backbones.map(|one| backbone_table(one, found.is_base_motion).to_csv());
+        tables.extend(table.map(|text| ("backbone.csv".to_owned(), text)));
+    }
+    Ok(Results { figures: vec![(View::Steady, figure)], words, error: failed, tables })
+}
+
+/// Names of the interfaces.
+fn names(structure: &impl Interfaces) -> Vec<String> {
+    structure.interfaces().iter().map(|contact| contact.name().to_owned()).collect()
+}
+
+fn branches<S: Shaken>(
+    assembly: &Assembly<S>,
+    request: &SteadyRequest,
+    progress: Progress<'_>,
+) -> Result<Steady, SimulationError> {
+    let done = std::sync::atomic::AtomicUsize::new(0);
+    let of = request.amplitudes.len() as f64;
+    steady_with_progress(assembly, request, &|| {
+        let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+        progress(done as f64 / of);
+    })
+}

@@ -1,0 +1,184 @@
+//! Numbers and pictures are those of the libraries for the same scenario.
+
+use asperity_plot as plot;
+use asperity_scenario::Document;
+use asperity_simulation::assemble::Assembly;
+use asperity_simulation::provenance::Provenance;
+use asperity_simulation::run::{Run, simulate};
+use asperity_simulation::static_state::StaticSummary;
+use asperity_simulation::steady::{BodyModel, SteadyRequest, SteadySummary, steady};
+use serde_json::{Value, json};
+
+use crate::client::{Page, block, line, read, request};
+
+fn changed(pointer: &str, value: &str) -> Document {
+    let mut document = Document::read(block()).unwrap();
+    document.set(pointer, value).unwrap();
+    document
+}
+
+fn run_of(document: &Document) -> Run {
+    simulate(document, &document.scenario().unwrap()).unwrap()
+}
+
+/// Words without the time of the computation.
+fn timeless(words: &str) -> Vec<&str> {
+    words.lines().filter(|line| !line.starts_with("run ")).collect()
+}
+
+#[test]
+fn numbers_of_a_hit_are_the_commands() {
+    let page = Page::new();
+    for peak in ["2", "5", "14"] {
+        let change = json!([["/excitation/peak_n", peak.parse::<f64>().unwrap()]]);
+        let lines = page.compute("hit", &["law", "frf", "history"], &change);
+        let run = run_of(&changed("/excitation/peak_n", peak));
+        let words = line(&lines, "words")["text"].as_str().unwrap();
+        assert_eq!(timeless(words), timeless(&plot::run_words(&run.summary)));
+        let drawn: Vec<&Value> = lines.iter().filter(|line| line["answer"] == "picture").collect();
+        assert_eq!(drawn.len(), 3);
+        let f1 = run.summary.fundamental.unwrap().frequency_hz;
+        let frf = drawn.iter().find(|line| line["view"] == "frf").unwrap();
+        assert!(frf["svg"].as_str().unwrap().contains(&format!("{f1:.1} Hz")));
+    }
+}
+
+#[test]
+fn numbers_of_steady_responses_are_the_commands() {
+    let page = Page::new();
+    let settings = json!({ "amplitudes": [0.2, 0.5], "from_hz": 1200, "to_hz": 1900 });
+    let lines = page.compute_with("steady", &["steady"], &json!([]), &settings);
+    let document = Document::read(block()).unwrap();
+    let scenario = document.scenario().unwrap();
+    let assembly = Assembly::new(&scenario, document.folder()).unwrap();
+    let request = SteadyRequest {
+        amplitudes: vec![0.2, 0.5],
+        from_hz: 1200.0,
+        to_hz: 1900.0,
+        harmonics: None,
+        backbone: false,
+        verify: false,
+        bodies: BodyModel::Auto,
+        time_sweep: None,
+    };
+    let found = steady(&assembly, &request).unwrap();
+    let provenance = Provenance::of_scenario(&document, &scenario).unwrap();
+    let at_rest = StaticSummary::of(&assembly);
+    let summary = SteadySummary::new(scenario.title, at_rest, &found, provenance);
+    let words = plot::steady_words::branches(&summary);
+    assert_eq!(line(&lines, "words")["text"], words);
+    assert!(line(&lines, "picture")["svg"].as_str().unwrap().contains("Amplitude"));
+}
+
+#[test]
+fn a_view_that_is_not_shown_is_not_drawn() {
+    let page = Page::new();
+    let lines = page.compute("hit", &["law"], &json!([]));
+    let drawn: Vec<&Value> = lines.iter().filter(|line| line["answer"] == "picture").collect();
+    assert!(drawn.len() == 1 && drawn[0]["view"] == "law");
+    assert_eq!(lines.last().unwrap()["answer"], "done");
+}
+
+#[test]
+fn a_pinned_state_is_drawn_in_grey() {
+    let page = Page::new();
+    let mut asked = request("t", "hit", &["frf"], &json!([]), &json!({}));
+    let alone = page.post("compute", &asked).lines();
+    asked["pinned"] = json!([["/excitation/peak_n", 14]]);
+    let both = page.post("compute", &asked).lines();
+    let curves = |lines: &[Value]| {
+        let data: Value =
+            serde_json::from_str(line(lines, "picture")["data"].as_str().unwrap()).unwrap();
+        data["panels"][0]["series"].as_array().unwrap().clone()
+    };
+    let (alone, both) = (curves(&alone), curves(&both));
+    assert_eq!(both.len(), alone.len() + 1);
+    assert_eq!(both[0]["name"], "pinned");
+    assert_ne!(both[0]["color"], both[1]["color"]);
+    assert_eq!(both[1]["color"], alone[0]["color"]);
+}
+
+#[test]
+fn faults_name_their_values() {
+    let page = Page::new();
+    let lines = page.compute("hit", &["frf"], &json!([["/bodies/0/length_m", -1]]));
+    assert_eq!(line(&lines, "faults")["faults"][0]["pointer"], "/bodies/0/length_m");
+    let state = page.post("state", &json!({ "changes": [["/bodies/0/length_m", -1]] }));
+    let state: Value = serde_json::from_str(&state.body).unwrap();
+    assert_eq!(state["faults"][0]["pointer"], "/bodies/0/length_m");
+    assert!(!state["groups"].as_array().unwrap().is_empty(), "the value can be mended");
+}
+
+#[test]
+fn a_scenario_without_a_force_says_what_is_missing() {
+    let page = Page::new();
+    let changes = json!([["/excitation", { "kind": "none" }]]);
+    let lines = page.compute("levels", &["levels"], &changes);
+    assert!(line(&lines, "absent")["reason"].as_str().unwrap().contains("excitation"));
+}
+
+/// Two pages of one scenario do not stop each other.
+#[test]
+fn pages_are_independent() {
+    let page = Page::new();
+    let path = format!("{}compute", page.path);
+    let open = |tab: &str, peak: f64| {
+        let changes = json!([["/excitation/peak_n", peak]]);
+        let asked = request(tab, "hit", &["frf"], &changes, &json!({})).to_string();
+        page.open("POST", &path, &page.own_head(), asked.as_bytes())
+    };
+    let both = [("a", 3.0), ("b", 9.0)].map(|(tab, peak)| (peak, open(tab, peak)));
+    for (peak, stream) in both {
+        let lines = read(stream).lines();
+        let run = run_of(&changed("/excitation/peak_n", &peak.to_string()));
+        let words = line(&lines, "words")["text"].as_str().unwrap();
+        assert_eq!(timeless(words), timeless(&plot::run_words(&run.summary)), "{peak}");
+        assert_eq!(lines.last().unwrap()["answer"], "done");
+    }
+}
+
+/// Of many inputs in a row the last has its answer, and it is right; the others are right or superseded.
+#[test]
+fn the_newest_input_is_answered() {
+    let page = Page::new();
+    let path = format!("{}compute", page.path);
+    let mut random: u64 = 1;
+    let streams: Vec<_> = (0..60)
+        .map(|_| {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let peak = 1.0 + (random >> 40) as f64 / f64::from(1 << 24) * 12.0;
+            let changes = json!([["/excitation/peak_n", peak]]);
+            let asked = request("tab", "hit", &["frf"], &changes, &json!({})).to_string();
+            (peak, page.open("POST", &path, &page.own_head(), asked.as_bytes()))
+        })
+        .collect();
+    let mut ends = Vec::new();
+    for (peak, stream) in streams {
+        let lines = read(stream).lines();
+        let end = lines.last().unwrap()["answer"].as_str().unwrap().to_owned();
+        if end == "done" {
+            let run = run_of(&changed("/excitation/peak_n", &peak.to_string()));
+            let words = line(&lines, "words")["text"].as_str().unwrap();
+            assert_eq!(timeless(words), timeless(&plot::run_words(&run.summary)), "{peak}");
+        }
+        ends.push(end);
+    }
+    assert!(ends.iter().all(|end| end == "done" || end == "superseded"), "{ends:?}");
+    assert!(ends.iter().any(|end| end == "done"));
+}
+
+/// A run of some minutes gives way to the next input.
+#[test]
+fn a_newer_input_stops_a_long_run() {
+    let page = Page::new();
+    let path = format!("{}compute", page.path);
+    let long =
+        json!([["/duration_s", 7], ["/method", { "kind": "finite_difference", "cell_m": 1e-4 }]]);
+    let asked = request("tab", "hit", &["frf"], &long, &json!({})).to_string();
+    let first = page.open("POST", &path, &page.own_head(), asked.as_bytes());
+    // The first has begun once the server answers again.
+    assert_eq!(page.get("").status, 200);
+    let lines = page.compute("hit", &["frf"], &json!([]));
+    assert_eq!(lines.last().unwrap()["answer"], "done");
+    assert_eq!(read(first).lines().last().unwrap()["answer"], "superseded");
+}

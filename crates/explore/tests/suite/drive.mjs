@@ -1,0 +1,87 @@
+// Drives the page in a browser by its debugging protocol: slider, undo, reload, knot, kind, fault, save.
+// Arguments: address of the browser's protocol, address of the page. Prints a JSON object of what it saw.
+const [browser, page] = process.argv.slice(2);
+
+const connected = url => new Promise((resolve, reject) => {
+  const socket = new WebSocket(url);
+  const waiting = new Map();
+  let last = 0;
+  socket.onerror = () => reject(new Error("no connection"));
+  socket.onmessage = ({ data }) => {
+    const { id, result, error } = JSON.parse(data);
+    const [done, fail] = waiting.get(id) ?? [];
+    waiting.delete(id);
+    if (error) fail?.(new Error(error.message)); else done?.(result);
+  };
+  socket.onopen = () => resolve((method, params = {}, sessionId) => new Promise((done, fail) => {
+    waiting.set(++last, [done, fail]);
+    socket.send(JSON.stringify({ id: last, method, params, sessionId }));
+  }));
+});
+
+const send = await connected(browser);
+const { targetId } = await send("Target.createTarget", { url: "about:blank" });
+const { sessionId } = await send("Target.attachToTarget", { targetId, flatten: true });
+const call = (method, params) => send(method, params, sessionId);
+const evaluate = async expression => {
+  const { result, exceptionDetails } = await call("Runtime.evaluate", { expression, awaitPromise: true, returnByValue: true });
+  if (exceptionDetails) throw new Error(`${expression}: ${exceptionDetails.exception?.description}`);
+  return result.value;
+};
+// Until an expression is true; the deadline is for a browser that has died.
+const until = async expression => {
+  for (let k = 0; k < 600; k++) {
+    if (await evaluate(`Boolean(${expression})`).catch(() => false)) return;
+    await new Promise(done => setTimeout(done, 50));
+  }
+  const said = await evaluate(`document.getElementById("status")?.textContent`);
+  throw new Error(`never: ${expression}; the page says: ${said}`);
+};
+const idle = async () => {
+  await new Promise(done => setTimeout(done, 250));
+  await until(`document.querySelector("#words")?.textContent && !document.querySelector(".busy")`);
+};
+const row = label => `[...document.querySelectorAll(".control")].find(one => one.querySelector("label")?.textContent === ${JSON.stringify(label)})`;
+const box = target => evaluate(`(() => { const { x, y, width, height } = (${target}).getBoundingClientRect(); return { x, y, width, height }; })()`);
+const mouse = (type, x, y) => call("Input.dispatchMouseEvent", { type, x, y, button: "left", buttons: type === "mouseReleased" ? 0 : 1, clickCount: 1 });
+const drag = async (x, y, dx, dy) => {
+  await mouse("mousePressed", x, y);
+  for (let k = 1; k <= 10; k++) await mouse("mouseMoved", x + k * dx / 10, y + k * dy / 10);
+  await mouse("mouseReleased", x + dx, y + dy);
+  await idle();
+};
+const click = async id => { await evaluate(`document.getElementById("${id}").click()`); await idle(); };
+const seen = async () => ({
+  force: await evaluate(`${row("Peak force")}.querySelector("input").value`),
+  words: await evaluate(`document.querySelector("#words").textContent`),
+  hash: await evaluate("decodeURIComponent(location.hash)"),
+});
+const found = {};
+const step = async name => { found[name] = await seen(); };
+
+await call("Page.enable");
+await call("Page.navigate", { url: `${page}#view=law,frf` });
+await idle();
+await step("start");
+const slider = await box(`${row("Peak force")}.querySelector("input[type=range]")`);
+await drag(slider.x + slider.width / 3, slider.y + slider.height / 2, slider.width / 3, 0);
+await step("slid");
+await click("undo");
+await step("undone");
+await click("redo");
+await step("redone");
+await call("Page.reload");
+await idle();
+await step("reloaded");
+const knot = await box(`document.querySelectorAll(".handles circle")[1]`);
+await drag(knot.x + knot.width / 2, knot.y + knot.height / 2, 0, -25);
+await step("knot");
+await evaluate(`(() => { const field = ${row("Rise time")}.querySelector("input"); field.value = "-1"; field.dispatchEvent(new Event("change")); })()`);
+await until(`!document.getElementById("faults").hidden`);
+found.fault = await evaluate(`document.getElementById("faults").textContent`);
+await click("undo");
+await click("save");
+await until(`document.getElementById("status").textContent.includes("written")`);
+await step("saved");
+console.log(JSON.stringify(found));
+process.exit(0);

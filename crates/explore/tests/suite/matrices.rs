@@ -1,0 +1,71 @@
+//! Structures of matrices: what they show, and what is said where they cannot.
+
+use std::fs;
+use std::path::Path;
+
+use asperity_explore::ExploreOptions;
+use asperity_scenario::Document;
+use asperity_simulation::patches::simulate_patches;
+use serde_json::{Value, json};
+
+use crate::client::{Page, line};
+
+const SCENARIO: &str = r#"{"schema": "asperity/scenario/1",
+ "bodies": [{"name": "blocks", "mesh": "two_blocks.inp", "reduction": {"modes": 30},
+             "matrices": {"format": "calculix", "stiffness": "two_blocks.sti", "mass": "two_blocks.mas", "rows": "two_blocks.dof"}}],
+ "gravity_m_per_s2": [0, 0, -9.81],
+ "loads": [{"body": "blocks", "file": "loads.csv"}],
+ "interfaces": [{"name": "patch", "law": "rough", "body": "blocks", "cells": "cells.csv"}],
+ "laws": {"rough": {"kind": "power", "coefficient": 1e8, "exponent": 0.5}},
+ "damping": {"kind": "rayleigh", "rate_per_s": 60, "time_s": 4e-7},
+ "excitation": {"kind": "haversine", "peak_n": 20, "duration_s": 0.25e-3,
+                "at": {"body": "blocks", "node": 172, "direction": [0, 0, -1]}},
+ "sensors": [{"name": "hammer", "at": {"body": "blocks", "node": 172, "direction": [0, 0, 1]}, "kind": "displacement"}],
+ "duration_s": 0.005}"#;
+
+#[test]
+fn a_structure_of_matrices_is_shown_without_its_laws() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fe/two_blocks");
+    if !data.is_dir() {
+        eprintln!("skipped: no data of two_blocks");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for file in fs::read_dir(&data).unwrap().flatten() {
+        fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
+    }
+    let path = folder.path().join("scenario.json");
+    fs::write(&path, SCENARIO).unwrap();
+    let page = Page::of(&path, &ExploreOptions::default());
+    let changes = json!([["/laws/rough/coefficient", 2e8]]);
+    let lines = page.compute("hit", &["law", "frf", "history"], &changes);
+    assert!(line(&lines, "absent")["reason"].as_str().unwrap().contains("matrices"));
+    let drawn: Vec<&Value> = lines.iter().filter(|line| line["answer"] == "picture").collect();
+    assert_eq!(drawn.len(), 2);
+    let mut document = Document::read(&path).unwrap();
+    document.set("/laws/rough/coefficient", "2e8").unwrap();
+    let scenario = document.structure_scenario().unwrap();
+    let found = simulate_patches(&document, &scenario, &|_| ()).unwrap();
+    let words = asperity_plot::run_words(&found.run.summary);
+    let own = line(&lines, "words")["text"].as_str().unwrap();
+    for line in words.lines().filter(|line| !line.starts_with("run ")) {
+        assert!(own.contains(line), "{line}: {own}");
+    }
+    let lines = page.compute("levels", &["levels"], &changes);
+    assert_eq!(line(&lines, "picture")["view"], "levels");
+    let settings = json!({ "amplitudes": [0.5], "from_hz": 3300, "to_hz": 3500 });
+    let lines = page.compute_with("steady", &["steady"], &changes, &settings);
+    assert!(line(&lines, "words")["text"].as_str().unwrap().contains("Hz"), "{lines:?}");
+    let state = page.post("state", &json!({ "changes": changes }));
+    let state: Value = serde_json::from_str(&state.body).unwrap();
+    let text = state["groups"].to_string();
+    assert!(text.contains("/laws/rough/coefficient") && text.contains("/damping/rate_per_s"));
+    // A file that is not the scenario's is not read.
+    let other = json!([["/bodies/0/matrices/stiffness", "/etc/passwd"]]);
+    assert!(
+        line(&page.compute("hit", &["frf"], &other), "faults")["faults"][0]["text"]
+            .as_str()
+            .unwrap()
+            .contains("neither in the scenario")
+    );
+}

@@ -1,0 +1,109 @@
+//! The script of the page parses, and does what it should in a browser.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+use asperity_explore::ExploreOptions;
+use asperity_scenario::Document;
+use asperity_simulation::run::simulate;
+use serde_json::Value;
+
+use crate::client::Page;
+
+#[test]
+fn scripts_parse() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = Page::new();
+    for name in ["explore.js", "figures.js"] {
+        let place = folder.path().join(name).with_extension("mjs");
+        std::fs::write(&place, page.get(name).body).unwrap();
+        let Ok(output) = Command::new("node").arg("--check").arg(&place).output() else {
+            eprintln!("skipped: node is not installed");
+            return;
+        };
+        assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+/// A browser, which ends with it.
+struct Browser(Child);
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// A browser and the address of its debugging protocol; none where there is no browser.
+fn browser(profile: &Path) -> Option<(Browser, String)> {
+    let child = ["chromium", "google-chrome", "chromium-browser"].into_iter().find_map(|name| {
+        Command::new(name)
+            .args(["--headless", "--no-sandbox", "--disable-gpu", "--window-size=1280,720"])
+            .arg("--remote-debugging-port=0")
+            .arg(format!("--user-data-dir={}", profile.display()))
+            .stderr(Stdio::piped())
+            .stdout(Stdio::null())
+            .spawn()
+            .ok()
+    });
+    let mut child = child?;
+    let mut lines = BufReader::new(child.stderr.take()?).lines().map_while(Result::ok);
+    let address =
+        lines.find_map(|line| line.strip_prefix("DevTools listening on ").map(str::to_owned));
+    // Read to the end, so that the browser never waits.
+    std::thread::spawn(move || lines.count());
+    Some((Browser(child), address?))
+}
+
+/// A slider, undo, reload, a dragged point of a law, a fault and saved files, in a browser under the policy of
+/// the page; the numbers shown are those of the saved scenario.
+#[test]
+fn a_browser_moves_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/drive.mjs");
+    let rig = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../fixtures/scenarios/nouira2020-modified.json");
+    let mut document = Document::read(rig).unwrap();
+    document.set("/method", "\"modal\"").unwrap();
+    let mut options = ExploreOptions::default();
+    let out = folder.path().join("out");
+    options.out = Some(out.clone());
+    let page = Page::of_document(document, &options);
+    let Some((_browser, address)) = browser(&folder.path().join("profile")) else {
+        eprintln!("skipped: no Chromium is installed");
+        return;
+    };
+    let url = format!("http://{}{}", page.host, page.path);
+    let driver = Command::new("node")
+        .args(["--experimental-websocket", "--no-warnings"])
+        .arg(script)
+        .args([&address, &url])
+        .output();
+    let Ok(driver) = driver else {
+        eprintln!("skipped: node is not installed");
+        return;
+    };
+    let errors = String::from_utf8_lossy(&driver.stderr);
+    assert!(driver.status.success(), "{errors}");
+    let seen: Value = serde_json::from_slice(&driver.stdout).unwrap();
+    let of = |step: &str, what: &str| seen[step][what].as_str().unwrap().to_owned();
+    assert_eq!(of("start", "force"), "32");
+    let force: f64 = of("slid", "force").parse().unwrap();
+    assert!(force > 40.0, "{seen}");
+    assert_ne!(of("slid", "words"), of("start", "words"));
+    assert_eq!(of("undone", "force"), "32");
+    for step in ["redone", "reloaded", "knot", "saved"] {
+        assert_eq!(of(step, "force"), of("slid", "force"), "{step}");
+    }
+    assert!(of("knot", "hash").contains("/laws/modified/knots/1="), "{}", of("knot", "hash"));
+    assert!(seen["fault"].as_str().unwrap().contains("/excitation/rise_s"), "{seen}");
+    let saved = Document::read(out.join("scenario.json")).unwrap();
+    assert_eq!(saved.value()["excitation"]["peak_n"], force);
+    let run = simulate(&saved, &saved.scenario().unwrap()).unwrap();
+    let words = asperity_plot::run_words(&run.summary);
+    for line in words.lines().filter(|line| !line.starts_with("run ")) {
+        assert!(of("saved", "words").contains(line), "{line}: {seen}");
+    }
+}
