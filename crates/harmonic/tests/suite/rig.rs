@@ -129,6 +129,13 @@ fn the_sample_is_unstable_under_a_large_force_while_contact_holds() {
         let point = found.points.last().unwrap();
         assert!(found.is_complete() && !point.contact_lost());
         assert_eq!(point.stable(), Some(stable), "{force} N");
+        let (from, to) = (1110.0, 1090.0);
+        let around =
+            trace(&system, &Continuation::Frequency { force, from, to }, &settings).unwrap();
+        let beyond = [[1080.0, if stable { to } else { from }]];
+        assert_eq!(around.ranges_without_stable(from, 1080.0), beyond, "{force} N");
+        assert_eq!(around.ranges_without_stable(from, to).is_empty(), stable, "{force} N");
+        assert_eq!(around.highest_stable().is_some(), stable, "{force} N");
 
         let periods = (0..=(RISE + HOLD) * 200).map(|n| n as f64 / 200.0);
         let share = |t: f64| 0.5 - 0.5 * (PI * (t / RISE as f64).min(1.0)).cos();
