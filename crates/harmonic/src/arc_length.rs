@@ -86,6 +86,13 @@ const KINK: f64 = 1e-4;
 /// Step below which a change of orientation is a branch that crosses.
 const CROSSING: f64 = 1e-3;
 
+/// Lengths tried to pass a corner, and iterations for the direction beyond it.
+const CORNER_STEPS: [f64; 6] = [3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3];
+const CORNER_DIRECTIONS: usize = 6;
+
+/// Distance within which two corners are one.
+const SAME_CORNER: f64 = 1e-6;
+
 /// Angle between chord and mean tangent, over the turn of a step that is aimed at, beyond which a point lies on
 /// another part of the curve.
 const BESIDE: f64 = 0.5;
@@ -103,12 +110,14 @@ const LOCATING: usize = 60;
 #[derive(Debug)]
 pub(crate) struct ArcLength<C> {
     pub(crate) curve: C,
-    control: StepControl,
+    pub(crate) control: StepControl,
     factors: Factorization,
     residual: Vec<f64>,
     column: Vec<f64>,
     predicted: Vec<f64>,
     step: f64,
+    /// Points at which a corner was passed.
+    corners: Vec<Vec<f64>>,
 }
 
 impl<C: Curve> ArcLength<C> {
@@ -122,6 +131,7 @@ impl<C: Curve> ArcLength<C> {
             column: vec![0.0; size],
             predicted: vec![0.0; size + 1],
             step: control.first,
+            corners: Vec::new(),
         }
     }
 
@@ -204,10 +214,55 @@ impl<C: Curve> ArcLength<C> {
             };
             self.step = 0.5 * step;
             if self.step < self.control.shortest {
+                // From a corner that is met again the curve leads back to it.
+                let near = |corner: &Vec<f64>| distance(corner, &from.unknowns) < SAME_CORNER;
+                let is_new = !self.corners.iter().any(near);
+                self.corners.push(from.unknowns.clone());
+                for length in CORNER_STEPS.into_iter().filter(|_| is_new) {
+                    if let Some(next) = self.around_corner(from, length) {
+                        self.step = length;
+                        return Ok((next, length));
+                    }
+                }
                 self.step = self.control.first;
                 return Err(failure);
             }
         }
+    }
+
+    /// The next point beyond a corner, a turn of the tangent on a length much shorter than `s`; none if it is not
+    /// found.
+    ///
+    /// The direction of the curve beyond the corner is the tangent of the Jacobian evaluated ahead, in the sense that
+    /// keeps the orientation.
+    fn around_corner(&mut self, from: &CurvePoint, s: f64) -> Option<CurvePoint> {
+        let size = self.curve.size();
+        let mut direction = from.tangent.clone();
+        let mut at = from.unknowns.clone();
+        for _ in 0..CORNER_DIRECTIONS {
+            for ((x, x0), t) in at.iter_mut().zip(&from.unknowns).zip(&direction) {
+                *x = x0 + s * t;
+            }
+            self.curve.evaluate(&at).ok()?;
+            self.curve.jacobian(&at, &mut self.column, self.factors.matrix());
+            self.factors.matrix()[size * (size + 1)..].copy_from_slice(&direction);
+            if !self.factors.factorize() {
+                return None;
+            }
+            let constraint = Constraint::Normal { through: &from.unknowns, tangent: &from.tangent };
+            self.tangent(constraint, &mut direction, 0, 0.0).ok()?;
+            if self.factors.determinant_sign() != from.orientation {
+                for t in &mut direction {
+                    *t = -*t;
+                }
+            }
+        }
+        let ahead = CurvePoint { tangent: direction, curving: None, ..from.clone() };
+        let next = self.ahead(&ahead, s).ok()?;
+        let turn = dot(&next.tangent, &ahead.tangent).clamp(-1.0, 1.0).acos();
+        let lies_ahead = distance(&next.unknowns, &from.unknowns) < 1.5 * s;
+        let follows = turn <= 3.0 * self.control.turn && next.orientation == from.orientation;
+        (lies_ahead && follows).then_some(next)
     }
 
     /// Zero, on a step of length `s`, of a function of the point with different signs at its ends:
@@ -399,6 +454,35 @@ mod tests {
         assert_eq!(folds.len(), 2);
         // Quadratic at a fold: half the digits of the tangent would do.
         assert!((folds[0] - 1.0).abs() < 1e-12 && (folds[1] + 1.0).abs() < 1e-12);
+    }
+
+    /// `l = x` below zero, `l = x - 2/3 b x^(3/2)` above, as where a contact begins to open: the tangent turns by more
+    /// than a right angle on a length of `1 / b^2`, below the shortest step.
+    #[test]
+    fn a_corner_shorter_than_any_step_is_passed() {
+        const B: f64 = 1e5;
+        let grazing = || PlaneCurve {
+            equation: |x, l| x - l - 2.0 / 3.0 * B * x.max(0.0).powf(1.5),
+            derivatives: |x, _| [1.0 - B * x.max(0.0).sqrt(), -1.0],
+        };
+        for start in [-0.3, -0.31, -0.3123] {
+            let mut arc = ArcLength::new(grazing(), StepControl::default());
+            let mut point = arc.solve_at(&[start, start], 1.0).unwrap();
+            let orientation = point.orientation;
+            let (mut before, mut most, mut count) = (0, f64::NEG_INFINITY, 0);
+            while point.unknowns[0] < 0.0 || point.unknowns[1] > -0.5 {
+                let [x, l] = point.unknowns[..] else { panic!() };
+                assert!((x - l - 2.0 / 3.0 * B * x.max(0.0).powf(1.5)).abs() < 1e-9);
+                before += usize::from(x < 0.0);
+                most = most.max(l);
+                count += 1;
+                assert!(count < 200, "{start}: {x} {l}");
+                point = arc.advance(&point).unwrap().0;
+                assert_eq!(point.orientation, orientation);
+            }
+            // The corner is at zero; the last point before it is within a step of 1e-3.
+            assert!(before > 3 && most > -1e-3, "{start}: {before} {most}");
+        }
     }
 
     /// `x = 0.015 tanh(l / 0.01)`: a step of the curve that a step of the continuation could miss.

@@ -88,6 +88,13 @@ pub struct Branch {
     pub finer: Option<UnfinishedBranch>,
 }
 
+/// Truncation up to which the multipliers of a response are taken as those of the motion: by experience, stacks with
+/// impacts and 30 harmonics beyond it leave responses called stable in time integration.
+const RESOLVED: f64 = 2e-3;
+
+/// Share of a range of frequency below which a part without a stable response is left out.
+const NARROW: f64 = 1e-3;
+
 /// A branch that did not cover its range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnfinishedBranch {
@@ -108,6 +115,39 @@ impl Branch {
         let peaks = self.special.iter().filter(|special| special.kind == SpecialPointKind::Peak);
         let all = peaks.map(|special| &special.response).chain(&self.points);
         all.max_by(|a, b| a.amplitude(1).total_cmp(&b.amplitude(1)))
+    }
+
+    /// The stable response with the largest fundamental of the load's port, peaks included, of those with a truncation
+    /// of at most 2e-3; none where stability is not known.
+    pub fn highest_stable(&self) -> Option<&PeriodicResponse> {
+        let all = self.special.iter().map(|special| &special.response).chain(&self.points);
+        let stable = all.filter(|one| one.stable() == Some(true) && one.truncation <= RESOLVED);
+        stable.max_by(|a, b| a.amplitude(1).total_cmp(&b.amplitude(1)))
+    }
+
+    /// The ranges of frequency \[Hz\] between `from` and `to` in which the branch has no stable response, in rising
+    /// order: those that no two neighbouring points span of which none is unstable or has a truncation above 2e-3. Ranges
+    /// below a thousandth of the whole, as next to a fold, are left out.
+    pub fn ranges_without_stable(&self, from: f64, to: f64) -> Vec<[f64; 2]> {
+        let (low, high) = (from.min(to), from.max(to));
+        let spans = self.points.windows(2).filter_map(|pair| {
+            let is_stable = |point: &PeriodicResponse| {
+                point.stable() != Some(false) && point.truncation <= RESOLVED
+            };
+            let stable = pair.iter().all(is_stable);
+            let [a, b] = [pair[0].frequency_hz(), pair[1].frequency_hz()];
+            stable.then_some([a.min(b), a.max(b)])
+        });
+        let mut spans: Vec<[f64; 2]> = spans.chain([[high, high]]).collect();
+        spans.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let (mut found, mut end) = (Vec::new(), low);
+        for [first, last] in spans {
+            if first.min(high) - end > NARROW * (high - low) {
+                found.push([end, first.min(high)]);
+            }
+            end = end.max(last);
+        }
+        found
     }
 
     /// The highest response if it is a peak located inside a branch that covers its range; else a

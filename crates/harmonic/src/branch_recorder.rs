@@ -113,19 +113,18 @@ impl<'a> BranchRecorder<'a> {
         let last = from.unknowns.len() - 1;
         let turns = (from.tangent[last], next.tangent[last]);
         let mut found = Vec::new();
-        if turns.0 * turns.1 < 0.0
-            && let Ok(fold) = arc.locate(from, step, turns, |_, at| at.tangent[last])
-        {
-            found.push((SpecialPointKind::Fold, fold));
+        // Between the ends of a step around a corner nothing is found: it counts as at the first.
+        if turns.0 * turns.1 < 0.0 {
+            let fold = arc.locate(from, step, turns, |_, at| at.tangent[last]);
+            found.push((SpecialPointKind::Fold, fold.unwrap_or_else(|_| from.clone())));
         }
         let slopes = (before, self.slope);
-        if slopes.0 > 0.0
-            && slopes.1 <= 0.0
-            && let Ok(peak) = arc.locate(from, step, slopes, |curve, at| {
+        if slopes.0 > 0.0 && slopes.1 <= 0.0 {
+            let slope = |curve: &mut ContinuationProblem<'_>, at: &CurvePoint| {
                 curve.amplitude_slope(&at.unknowns, &at.tangent)
-            })
-        {
-            found.push((SpecialPointKind::Peak, peak));
+            };
+            let peak = arc.locate(from, step, slopes, slope);
+            found.push((SpecialPointKind::Peak, peak.unwrap_or_else(|_| from.clone())));
         }
         let orientations = (from.orientation, next.orientation);
         if orientations.0 != orientations.1
@@ -176,8 +175,8 @@ impl<'a> BranchRecorder<'a> {
         self.branch.special = special.into_iter().map(|(special, _)| special).collect();
     }
 
-    /// The period doubling or Neimark-Sacker bifurcation on the step that follows a point, if there
-    /// is one. A multiplier that passes +1 belongs to a fold or a branch point, which the continuation
+    /// The period doubling or Neimark-Sacker bifurcation at which the response becomes stable or unstable on the step
+    /// that follows a point, if there is one. A multiplier that passes +1 belongs to a fold or a branch point, which the continuation
     /// locates more exactly than a structure in few modes can.
     fn bifurcation(
         &self,
@@ -192,7 +191,7 @@ impl<'a> BranchRecorder<'a> {
         };
         let folded = self.branch.special.iter().any(is_fold);
         let counts = (before.unstable_multipliers()?, after.unstable_multipliers()?);
-        if counts.0 == counts.1 || (folded && counts.0.abs_diff(counts.1) == 1) {
+        if (counts.0 == 0) == (counts.1 == 0) || (folded && counts.0.abs_diff(counts.1) == 1) {
             return None;
         }
         // The multiplier, in order of size, that passes the unit circle.

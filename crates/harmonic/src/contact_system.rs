@@ -233,26 +233,34 @@ impl ContactSystem {
         forces: &mut [f64],
         tangents: &mut [f64],
     ) {
+        let Some(table) = &self.tables[interface] else {
+            return self.forces_of_law(interface, closures, forces, tangents);
+        };
         let contact = &self.contacts[interface];
         let area = contact.area();
-        let exact = |x: f64| {
+        for (&x, (force, tangent)) in closures.iter().zip(forces.iter_mut().zip(tangents)) {
+            let (mut value, mut slope) = table.get_with_tangent(x);
+            if value.is_nan() {
+                let found = contact.pressure_increment(x);
+                (value, slope) = (found.value, found.tangent);
+            }
+            (*force, *tangent) = (area * value, area * slope);
+        }
+    }
+
+    /// The [`forces`](Self::forces) by the law itself.
+    pub(crate) fn forces_of_law(
+        &self,
+        interface: usize,
+        closures: &[f64],
+        forces: &mut [f64],
+        tangents: &mut [f64],
+    ) {
+        let contact = &self.contacts[interface];
+        let area = contact.area();
+        for (&x, (force, tangent)) in closures.iter().zip(forces.iter_mut().zip(tangents)) {
             let found = contact.pressure_increment(x);
-            (found.value, found.tangent)
-        };
-        let places = closures.iter().zip(forces.iter_mut().zip(tangents.iter_mut()));
-        if let Some(table) = &self.tables[interface] {
-            for (&x, (force, tangent)) in places {
-                let tabulated = table.get_with_tangent(x);
-                let (value, slope) = if tabulated.0.is_nan() { exact(x) } else { tabulated };
-                *force = area * value;
-                *tangent = area * slope;
-            }
-        } else {
-            for (&x, (force, tangent)) in places {
-                let (value, slope) = exact(x);
-                *force = area * value;
-                *tangent = area * slope;
-            }
+            (*force, *tangent) = (area * found.value, area * found.tangent);
         }
     }
 

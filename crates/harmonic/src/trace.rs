@@ -20,15 +20,20 @@ const LOW_FORCE: f64 = 1e-3;
 const FIRST_HARMONICS: usize = 5;
 const SAMPLES_PER_HARMONIC: usize = 16;
 
-/// Most points times unknowns of a branch whose harmonics are chosen: some ten seconds.
-const MOST_WORK: usize = 400_000;
+/// Most points times unknowns of a branch whose harmonics are chosen, some ten seconds to a minute, and of a branch
+/// with fewer that takes the place of one beyond it.
+const MOST_WORK: usize = 2_000_000;
+const MOST_COARSER_WORK: usize = 400_000;
+
+/// Points of a branch after which the turn aimed at is twice as large: it folds many times.
+const MANY_POINTS: usize = 1000;
 
 /// Traces the branch of periodic responses that `continuation` describes.
 ///
 /// A failure after the start ends the branch, which is kept with its [`Termination`]. With automatic
 /// [`FourierResolution`] the branch is traced again with half as many harmonics more until its
 /// truncation is below the tolerance. Where a branch over frequency with the most harmonics does not converge, or has more
-/// than 400 000 points times unknowns, the one with the most of two thirds, four ninths ... as many that covers the
+/// than 2 000 000 points times unknowns, the one with the most of two thirds, four ninths ... as many that covers the
 /// range takes its place, and [`Branch::finer`] tells where the other ended.
 ///
 /// ```
@@ -69,15 +74,15 @@ pub fn trace(
             Ok(follow((harmonics, samples.max(4 * harmonics + 2)), Limits::default())?.analysed())
         }
         FourierResolution::Automatic { tolerance, most } => {
-            let at = |harmonics: usize, truncation: f64| {
+            let at = |harmonics: usize, truncation: f64, work: usize| {
                 let samples = (SAMPLES_PER_HARMONIC * harmonics).next_multiple_of(8);
-                let points = MOST_WORK / (system.pairs() * (2 * harmonics + 1));
+                let points = work / (system.pairs() * (2 * harmonics + 1));
                 follow((harmonics, samples), Limits { truncation, points })
             };
             let mut harmonics = FIRST_HARMONICS.min(most);
             let mut finest = loop {
                 let limit = if harmonics < most { tolerance } else { f64::INFINITY };
-                let found = at(harmonics, limit);
+                let found = at(harmonics, limit, MOST_WORK);
                 let fine =
                     found.as_ref().is_ok_and(|found| found.branch().truncation() <= tolerance);
                 if fine || harmonics == most {
@@ -88,7 +93,8 @@ pub fn trace(
             let over_frequency = matches!(continuation, Continuation::Frequency { .. });
             while over_frequency && finest.is_unfinished() && harmonics > FIRST_HARMONICS {
                 harmonics = (2 * harmonics / 3).max(FIRST_HARMONICS);
-                let Ok(mut coarser) = at(harmonics, f64::INFINITY) else { continue };
+                let coarser = at(harmonics, f64::INFINITY, MOST_COARSER_WORK);
+                let Ok(mut coarser) = coarser else { continue };
                 if coarser.branch().is_complete() {
                     coarser.recorder.branch.finer = finest.unfinished();
                     finest = coarser;
@@ -182,6 +188,9 @@ fn follow<'a>(
         }
         if recorder.branch.points.len() >= most {
             break Termination::PointLimit;
+        }
+        if recorder.branch.points.len() == MANY_POINTS {
+            arc.control.turn *= 2.0;
         }
         let (next, step) = match arc.advance(&point) {
             Ok(advanced) => advanced,

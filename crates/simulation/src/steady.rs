@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use asperity_harmonic::{
     Branch, Continuation, Floquet, FourierResolution, HarmonicError, HarmonicSettings,
-    LawEvaluation, PeriodicResponse, PressureRange, StepControl, Termination,
+    LawEvaluation, PeriodicResponse, PressureRange, StepControl,
 };
 use asperity_structure::PreloadedContact;
 use rayon::prelude::*;
@@ -95,8 +95,9 @@ pub struct SteadyLevel {
     pub condensed: Option<Condensation>,
     /// A response by time integration, if requested.
     pub check: Option<TimeCheck>,
-    /// Motions by time integration at frequencies at which contact is lost, of a branch that does not cover the
-    /// range, or covers it with fewer harmonics only.
+    /// Ranges of frequency in which the branch has no stable response \[Hz\], those included that it does not reach.
+    pub ranges_without_stable_hz: Vec<[f64; 2]>,
+    /// Motions by time integration at frequencies in these ranges.
     pub motions: Vec<IntegratedMotion>,
     /// The reason for which stability is not known at every point, if it is not.
     pub stability_unknown: Option<StabilityUnknown>,
@@ -334,12 +335,9 @@ fn level<S: Shaken>(
         Some(peak) if request.verify => Some(S::time_check(assembly, peak)?),
         _ => None,
     };
-    let motions = match &outcome {
-        Ok(branch) if branch.finer.is_some() || has_failed(branch) => {
-            S::motions(assembly, force_n, branch)
-        }
-        _ => Vec::new(),
-    };
+    let ranges = |branch: &Branch| branch.ranges_without_stable(request.from_hz, request.to_hz);
+    let ranges_without_stable_hz = outcome.as_ref().map_or_else(|_| Vec::new(), ranges);
+    let motions = S::motions(assembly, force_n, &ranges_without_stable_hz);
     let points = outcome.as_ref().map_or(&[][..], |branch| &branch.points);
     let unknown = points.iter().any(|point| point.stable().is_none());
     let mut level = SteadyLevel {
@@ -347,6 +345,7 @@ fn level<S: Shaken>(
         outcome,
         condensed,
         check,
+        ranges_without_stable_hz,
         motions,
         stability_unknown: unknown.then_some(StabilityUnknown::FastMode),
         warnings: Vec::new(),
@@ -355,11 +354,6 @@ fn level<S: Shaken>(
     };
     level.warnings = warnings(&level, assembly.structure.interfaces());
     Ok(level)
-}
-
-/// True if a branch ended where its equations were not solved any more.
-fn has_failed(branch: &Branch) -> bool {
-    matches!(branch.termination, Termination::NotConverged | Termination::PointLimit)
 }
 
 /// Warnings about the contacts whose pressures leave the measured range on a branch, and about a response

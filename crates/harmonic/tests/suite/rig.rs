@@ -1,14 +1,15 @@
 //! The full rig, bars elastic, against time integration by finite differences.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use asperity_dynamics::{FiniteDifference, Sampling};
 use asperity_harmonic::{
-    ContactSystem, Continuation, FourierResolution, HarmonicSettings, LawEvaluation, Termination,
-    trace,
+    ContactSystem, Continuation, Floquet, FourierResolution, HarmonicSettings, LawEvaluation,
+    Termination, trace,
 };
 use asperity_mesh::{Port, Support};
-use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
+use asperity_structure::{Damping, LoadCase, PreloadedStructure, SampledFunction, TimeFunction};
 
 use crate::integration::harmonic;
 use crate::rigs::{Law, exponential, modified, power, preloaded, rig};
@@ -103,5 +104,62 @@ fn loss_of_contact_equals_time_integration() {
         let limit = fine[k - 1] + (fine[k - 1] - coarse[k - 1]) * short / (long - short);
         let off = (point.amplitude(k) / limit - 1.0).abs();
         assert!(off < 1e-5, "harmonic {k}: {off:.1e}");
+    }
+}
+
+/// Under a large force the light sample is parametrically unstable while contact holds: the stiffness under it falls
+/// so low in every period that its vibration at some 35 kHz is excited. At 1100 Hz the period doubles from 22.08 N on.
+/// In time integration under a force that rises slowly, the difference of successive periods grows by the largest
+/// multiplier, which is negative, or dies out.
+#[test]
+fn the_sample_is_unstable_under_a_large_force_while_contact_holds() {
+    const RISE: usize = 60;
+    const HOLD: usize = 60;
+    let frequency = 1100.0;
+    let structure = damped(&modified());
+    let system = ContactSystem::of_structure(&structure, LawEvaluation::default()).unwrap();
+    let settings = HarmonicSettings {
+        resolution: FourierResolution::Fixed { harmonics: 20, samples: 320 },
+        stability: Some(Floquet::default()),
+        ..HarmonicSettings::default()
+    };
+    for (force, stable) in [(20.0, true), (24.0, false), (28.0, false)] {
+        let path = Continuation::Force { frequency, from: 1.0, to: force };
+        let found = trace(&system, &path, &settings).unwrap();
+        let point = found.points.last().unwrap();
+        assert!(found.is_complete() && !point.contact_lost());
+        assert_eq!(point.stable(), Some(stable), "{force} N");
+        let (from, to) = (1110.0, 1090.0);
+        let around =
+            trace(&system, &Continuation::Frequency { force, from, to }, &settings).unwrap();
+        let beyond = [[1080.0, if stable { to } else { from }]];
+        assert_eq!(around.ranges_without_stable(from, 1080.0), beyond, "{force} N");
+        assert_eq!(around.ranges_without_stable(from, to).is_empty(), stable, "{force} N");
+        assert_eq!(around.highest_stable().is_some(), stable, "{force} N");
+
+        let periods = (0..=(RISE + HOLD) * 200).map(|n| n as f64 / 200.0);
+        let share = |t: f64| 0.5 - 0.5 * (PI * (t / RISE as f64).min(1.0)).cos();
+        let values = periods.clone().map(|t| share(t) * (TAU * t).sin()).collect();
+        let times = periods.map(|t| t / frequency).collect();
+        let shape = TimeFunction::Samples(Arc::new(SampledFunction::new(times, values).unwrap()));
+        let duration = (RISE + HOLD) as f64 / frequency;
+        let sampling = Sampling::new(duration, SAMPLES as f64 * frequency).unwrap();
+        let top_of_sample = Port::Point { body: 1, position: 0.0 };
+        let load = LoadCase::force(shape, force);
+        let method = FiniteDifference::default();
+        let done = method.integrate(&structure, &load, &[top_of_sample], &sampling).unwrap();
+        let u = &done.history.sensors[0].displacement;
+        let change = |period: usize| u[SAMPLES * (period + 1)] - u[SAMPLES * period];
+        if stable {
+            let last = (RISE + HOLD - 10..RISE + HOLD - 1).map(|n| change(n).abs());
+            assert!(last.fold(0.0, f64::max) < 1e-6 * point.amplitude(1), "{force} N");
+            continue;
+        }
+        // While the difference is small.
+        let ratio: f64 = change(RISE + 16) / change(RISE + 10);
+        assert!(change(RISE + 10) * change(RISE + 11) < 0.0, "{force} N");
+        let largest = point.multipliers.as_ref().unwrap()[0];
+        let off = ratio.powf(1.0 / 6.0) / -largest.re - 1.0;
+        assert!(largest.im == 0.0 && off.abs() < 1e-2, "{force} N: {largest}, {off:.1e}");
     }
 }

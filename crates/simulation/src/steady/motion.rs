@@ -5,7 +5,6 @@ use std::sync::Arc;
 use asperity_dynamics::{
     Batch, CaseResponse, Decimation, DynamicsError, Modal, Sampling, TransientCase,
 };
-use asperity_harmonic::{Branch, PeriodicResponse};
 use asperity_structure::{LoadCase, TimeFunction};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -44,19 +43,34 @@ pub struct IntegratedMotion {
     pub lost_share: Option<f64>,
 }
 
-/// The motions at equal distances between the lowest and the highest frequency at which a branch loses
-/// contact, in parallel; none for a branch that does not, and at a frequency that cannot be integrated.
-pub(super) fn motions(assembly: &Assembly, force: f64, branch: &Branch) -> Vec<IntegratedMotion> {
-    let lost = || branch.points.iter().filter(|point| point.contact_lost());
-    let low = lost().map(PeriodicResponse::frequency_hz).fold(f64::INFINITY, f64::min);
-    let high = lost().map(PeriodicResponse::frequency_hz).fold(0.0, f64::max);
-    let count = if low <= high { FREQUENCIES } else { 0 };
-    let place = |n| low + (high - low) * (f64::from(n) + 0.5) / f64::from(FREQUENCIES);
-    let at = |n| {
-        let mut tried = STEPS.iter().map(|&share| motion(assembly, force, place(n), share));
+/// The motions at five frequencies spread over `ranges` \[Hz\], in parallel; those that cannot be integrated are left
+/// out.
+pub(super) fn motions(
+    assembly: &Assembly,
+    force: f64,
+    ranges: &[[f64; 2]],
+) -> Vec<IntegratedMotion> {
+    let at = |frequency| {
+        let mut tried = STEPS.iter().map(|&share| motion(assembly, force, frequency, share));
         tried.find_map(Result::ok)
     };
-    (0..count).into_par_iter().filter_map(at).collect()
+    spread(ranges).into_par_iter().filter_map(at).collect()
+}
+
+/// Frequencies at equal distances over the joined length of some ranges \[Hz\].
+fn spread(ranges: &[[f64; 2]]) -> Vec<f64> {
+    let whole: f64 = ranges.iter().map(|[low, high]| high - low).sum();
+    let place = |n: u32| {
+        let mut left = whole * (f64::from(n) + 0.5) / f64::from(FREQUENCIES);
+        let inside = |[low, high]: &[f64; 2]| {
+            let length = high - low;
+            let found = (left <= length).then_some(low + left);
+            left -= length;
+            found
+        };
+        ranges.iter().find_map(inside)
+    };
+    (0..FREQUENCIES).filter_map(place).collect()
 }
 
 /// The motion at one frequency \[Hz\], in steps of this share of the first step for a single hit. The time is
@@ -155,6 +169,12 @@ mod tests {
         }
         let share = open as f64 / samples.len() as f64;
         (samples.rchunks_exact(A_PERIOD).map(crate::steady::settled::fundamental).collect(), share)
+    }
+
+    #[test]
+    fn frequencies_are_spread_over_ranges() {
+        assert_eq!(spread(&[]), Vec::<f64>::new());
+        assert_eq!(spread(&[[10.0, 12.0], [20.0, 23.0]]), [10.5, 11.5, 20.5, 21.5, 22.5]);
     }
 
     /// Under six tenths of its weight above resonance a mass on a spring that only pushes has the period of the force;

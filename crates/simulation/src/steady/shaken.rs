@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use asperity_harmonic::{Branch, ContactSystem, LawEvaluation, PeriodicResponse};
+use asperity_harmonic::{ContactSystem, LawEvaluation, PeriodicResponse};
 use asperity_structure::PreloadedStructure;
 
 use super::bodies::{BodyModel, LightBodies};
@@ -54,12 +54,12 @@ pub trait Shaken: Interfaces + Sync + Sized {
         response: &PeriodicResponse,
     ) -> Result<TimeCheck, SimulationError>;
 
-    /// Motions by time integration where a branch under a force of this amplitude \[N\] has no harmonic balance;
-    /// not looked for by default.
+    /// Motions by time integration under a force of this amplitude \[N\] in some ranges of frequency \[Hz\]; not
+    /// looked for by default.
     fn motions(
         _assembly: &Assembly<Self>,
         _amplitude: f64,
-        _branch: &Branch,
+        _ranges: &[[f64; 2]],
     ) -> Vec<IntegratedMotion> {
         Vec::new()
     }
@@ -105,8 +105,8 @@ impl Shaken for PreloadedStructure {
         Ok(TimeCheck::of(assembly, response)?)
     }
 
-    fn motions(assembly: &Assembly, amplitude: f64, branch: &Branch) -> Vec<IntegratedMotion> {
-        motions(assembly, amplitude, branch)
+    fn motions(assembly: &Assembly, amplitude: f64, ranges: &[[f64; 2]]) -> Vec<IntegratedMotion> {
+        motions(assembly, amplitude, ranges)
     }
 
     fn time_sweeps(

@@ -121,8 +121,13 @@ pub struct BranchSummary {
     pub end_frequency_hz: Option<f64>,
     /// The branch with more harmonics that did not cover the range, where this one took its place.
     pub finer: Option<UnfinishedSummary>,
-    /// Motions by time integration at frequencies at which contact is lost, of a branch that does not cover the
-    /// range, or covers it with fewer harmonics only.
+    /// Frequency of the stable response with the largest fundamental of the loaded port \[Hz\].
+    pub stable_peak_frequency_hz: Option<f64>,
+    /// Fundamental of the displacement at the first sensor there \[m\].
+    pub stable_peak_amplitude_1_m: Option<f64>,
+    /// Ranges of frequency in which the branch has no stable response \[Hz\].
+    pub ranges_without_stable_hz: Vec<[f64; 2]>,
+    /// Motions by time integration at frequencies in these ranges.
     pub motions: Vec<IntegratedMotion>,
     /// True if contact is lost in a response.
     pub contact_lost: bool,
@@ -302,7 +307,7 @@ impl LevelSummary {
             Ok(branch) => branch,
             Err(error) => return Self::Failed { load, error: error.to_string() },
         };
-        let peak = branch.highest();
+        let (peak, stable) = (branch.highest(), branch.highest_stable());
         let bifurcations = branch.special.iter().filter(|special| special.kind.is_bifurcation());
         let amplitude = |peak: &PeriodicResponse, k: usize| peak.at_sensor(0, k).norm();
         Self::Solved(Box::new(BranchSummary {
@@ -322,6 +327,9 @@ impl LevelSummary {
                 end: TerminationSummary::of(&finer.termination),
                 end_frequency_hz: finer.frequency_hz,
             }),
+            stable_peak_frequency_hz: stable.map(PeriodicResponse::frequency_hz),
+            stable_peak_amplitude_1_m: stable.map(|peak| amplitude(peak, 1)),
+            ranges_without_stable_hz: level.ranges_without_stable_hz.clone(),
             motions: level.motions.clone(),
             contact_lost: branch.points.iter().any(PeriodicResponse::contact_lost),
             contact_lost_from_hz: branch
