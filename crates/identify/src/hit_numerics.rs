@@ -1,11 +1,12 @@
 //! Step, modes and estimated errors of the simulated hits at the best fit.
 
-use asperity_inference::Observation;
+use asperity_inference::{ForwardModel as _, Observation};
 use asperity_simulation::error::SimulationError;
 use asperity_simulation::error_control::ConvergedRun;
 use asperity_simulation::quantity::Quantity;
 use asperity_simulation::warning::Warning;
 use serde::Serialize;
+use serde_json::Value;
 
 use crate::observed_quantity::ObservedQuantity;
 use crate::scenario_model::ScenarioModel;
@@ -33,10 +34,7 @@ pub struct HitNumerics {
 impl HitNumerics {
     /// The numerics of all hits of a model, `converged` at one point; hits that fail there are
     /// left out.
-    pub(super) fn of(
-        model: &ScenarioModel,
-        converged: &[Result<ConvergedRun, SimulationError>],
-    ) -> Vec<Self> {
+    fn of(model: &ScenarioModel, converged: &[Result<ConvergedRun, SimulationError>]) -> Vec<Self> {
         let hits = model.hits.iter().zip(converged);
         let numerics = hits.filter_map(|(hit, converged)| {
             let ConvergedRun { case, observables, counts, .. } = converged.as_ref().ok()?;
@@ -88,15 +86,28 @@ pub struct FeatureErrors {
     pub observations: usize,
     /// Root mean square of error over standard deviation of the observation.
     pub deviations: f64,
+    /// Step \[s\] that the scenario sets for all hits.
+    pub step_s: Option<f64>,
+}
+
+/// Numerics of the hits of a model at a point, and the errors in their observed features.
+pub(super) fn numerics_at(
+    model: &ScenarioModel,
+    point: &[f64],
+) -> Result<(Vec<HitNumerics>, Vec<FeatureErrors>), SimulationError> {
+    let converged = model.converged(point)?;
+    let errors = FeatureErrors::all(model, &converged, model.observations());
+    Ok((HitNumerics::of(model, &converged), errors))
 }
 
 impl FeatureErrors {
     /// The errors of each observed feature of the hits, `converged` at one point.
-    pub(super) fn all(
+    fn all(
         model: &ScenarioModel,
         converged: &[Result<ConvergedRun, SimulationError>],
         observations: &[Observation],
     ) -> Vec<Self> {
+        let step_s = model.scenario.pointer("/method/step_s").and_then(Value::as_f64);
         let mut found: Vec<Self> = Vec::new();
         for (quantity, observation) in model.quantities.iter().zip(observations) {
             let ObservedQuantity::Feature { hit, column } = *quantity else { continue };
@@ -114,6 +125,7 @@ impl FeatureErrors {
                     feature: feature.clone(),
                     observations: 1,
                     deviations: square,
+                    step_s,
                 }),
             }
         }

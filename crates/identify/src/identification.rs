@@ -16,7 +16,7 @@ use crate::design::{DesignModel, DesignRanking};
 use crate::error::IdentificationError;
 use crate::explanations::{Explanation, Unexplained};
 use crate::given_numbers::{GivenNumber, GivenNumbers, RigidSupport};
-use crate::hit_numerics::{FeatureErrors, HitNumerics};
+use crate::hit_numerics::{FeatureErrors, HitNumerics, numerics_at};
 use crate::identification_problem::IdentificationProblem;
 use crate::incomplete::IncompleteIdentification;
 use crate::latent_sampling::{FreeLawFindings, posterior_of, profiles};
@@ -25,10 +25,9 @@ use crate::law_comparison::{Compared, candidates, compare_laws};
 use crate::observed_quantity::ObservedQuantity;
 use crate::problem::{NoiseSpec, ParameterSpec};
 use crate::scenario_model::ScenarioModel;
-use crate::work::{WorkStage, expected_evaluations, expected_of_explanations};
+use crate::work::{Work, WorkStage, expected_evaluations, expected_of_explanations};
 use asperity_scenario::Laws;
 use asperity_simulation::provenance::InputFile;
-use serde_json::Value;
 
 /// Relative reduction of the cost at which a fit with latents has converged: an error of a thousandth in chi-square is far below its spread.
 const LATENT_TOLERANCE: f64 = 1e-4;
@@ -75,8 +74,6 @@ pub struct Identification {
     pub hits: Vec<HitNumerics>,
     /// Estimated errors of the integration in the observed features of the hits.
     pub feature_errors: Vec<FeatureErrors>,
-    /// Step \[s\] that the scenario sets for all hits.
-    pub step_s: Option<f64>,
     /// Notices on replaced or omitted data and settings, and warnings about simulated hits.
     pub notices: Vec<String>,
     /// Files that the result depends on, beside problem and scenario.
@@ -169,10 +166,7 @@ pub fn identify_with_progress(
         return Err(unfinished.stopped(WorkStage::Fit, own, None, Vec::new(), laws));
     }
     let best = best?;
-    let converged = forward.converged(&best.point)?;
-    let hits = HitNumerics::of(&forward, &converged);
-    let feature_errors = FeatureErrors::all(&forward, &converged, forward.observations());
-    drop(converged);
+    let (hits, feature_errors) = numerics_at(&forward, &best.point)?;
     notices.extend(HitNumerics::notices(&hits));
     work.begin(WorkStage::Profiles);
     let linearisation = best.linearise()?;
@@ -210,8 +204,7 @@ pub fn identify_with_progress(
         goodness: &goodness,
     };
     let explanations = unexplained.explained(&strains, progress)?;
-    let rank = |mut plan: DesignModel| plan.rank(&drawn.law, &best.point, &covariance, factor);
-    let design = planned.filter(|_| !work.is_stopped()).map(rank).transpose()?;
+    let design = ranked(planned, &work, &drawn.law, (&best.point, &covariance), factor)?;
     let each = |is: &dyn Fn(usize) -> bool| (0..best.point.len()).map(is).collect();
     Ok(Identification {
         names: unfinished.names,
@@ -248,13 +241,24 @@ pub fn identify_with_progress(
         design,
         hits,
         feature_errors,
-        step_s: forward.scenario.pointer("/method/step_s").and_then(Value::as_f64),
         notices,
         files,
         level: spec.level,
         wall_s: started.elapsed().as_secs_f64(),
         about,
     })
+}
+
+/// The ranking of a plan of further hits; none after a request to stop.
+fn ranked(
+    planned: Option<DesignModel>,
+    work: &Work,
+    law: &LawBand,
+    (point, covariance): (&[f64], &Covariance),
+    factor: f64,
+) -> Result<Option<DesignRanking>, IdentificationError> {
+    let planned = planned.filter(|_| !work.is_stopped());
+    planned.map(|mut plan| plan.rank(law, point, covariance, factor)).transpose()
 }
 
 /// The goodness of a fit; one that does not agree needs explanations.

@@ -573,7 +573,7 @@ impl Identification {
     fn of_numerics(&self) -> Option<Reason> {
         let errors = self.feature_errors.iter().filter(|one| one.deviations > NUMERICAL);
         let worst = errors.max_by(|a, b| a.deviations.total_cmp(&b.deviations))?;
-        let remedy = match self.step_s {
+        let remedy = match worst.step_s {
             Some(step) => format!(
                 "the scenario sets the step {} s; without \"step_s\" in \"method\" it is chosen by the accuracy.",
                 four_digits(step)

@@ -177,12 +177,11 @@ impl ObservableExtractor {
             let (options, displacement) = (HarmonicOptions::default(), force.to_rest(record));
             let shared = force.shared.as_ref();
             let found = shared.and_then(|s| s.analyse(&displacement, factor, natural, &options));
-            let found = match found {
-                Some(found) => found,
-                None => {
-                    let rate = sample_rate(record);
-                    force.analyse_exactly(factor, (&displacement, rate), natural, &options)?
-                }
+            let found = if let Some(found) = found {
+                found
+            } else {
+                let rate = sample_rate(record);
+                force.analyse_exactly(factor, (&displacement, rate), natural, &options)?
             };
             // From the sample before the end of the force on.
             let decay = record.displacement.get(force.free as usize..).unwrap_or_default();

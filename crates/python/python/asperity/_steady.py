@@ -95,7 +95,7 @@ class SteadyResponses(Result):
 
     @property
     def motions(self) -> Table:
-        """Motions by time integration from rest, of branches that end early or have fewer harmonics than asked for.
+        """Motions by time integration from rest, at frequencies at which the branch has no stable response.
 
         ``branch``, ``force_n`` or ``base_acceleration_m_per_s2``, ``frequency_hz``, ``motion`` (``periodic``,
         ``subharmonic``, ``non_periodic``, ``apart`` or ``not_settled``), ``periods`` (its period in periods of the force),
