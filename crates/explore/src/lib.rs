@@ -5,22 +5,22 @@
 //! ```
 //!
 //! The state of the page is a list of changes, each a JSON Pointer with its value, as `--set` takes them. A
-//! request computes one [`Part`](message::Part) of the results for one state and has its pictures drawn; a
+//! request computes one `Part` of the results for one state and has its pictures drawn; a
 //! newer request of the same page for the same part stops the older one.
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`server`] | the server: addresses, checks of requests |
-//! | [`message`] | requests and answers |
-//! | [`jobs`] | the newest request of a part wins |
-//! | [`state`] | the scenario with its changes |
-//! | [`controls`] | numbers and choices of a scenario, by its schema |
-//! | [`settings`] | force levels and frequency ranges, which are not part of a scenario |
-//! | [`session`] | answers to requests |
-//! | [`computation`] | results and figures of a part |
-//! | [`commands`] | a state as command lines |
-//! | [`measured`] | measured hits beside computed ones |
-//! | [`keep`] | files of a state |
+//! | `server` | the server: addresses, checks of requests |
+//! | `message` | requests and answers |
+//! | `jobs` | the newest request of a part wins |
+//! | `state` | the scenario with its changes |
+//! | `controls` | numbers and choices of a scenario, by its schema |
+//! | `settings` | force levels and frequency ranges, which are not part of a scenario |
+//! | `session` | answers to requests |
+//! | `computation` | results and figures of a part |
+//! | `commands` | a state as command lines |
+//! | `measured` | measured hits beside computed ones |
+//! | `keep` | files of a state |
 //! | `page` | HTML, style and script |
 //!
 //! # Safety of the server

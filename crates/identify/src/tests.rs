@@ -579,20 +579,19 @@ fn misfits_are_explained_by_polarity_units_and_losses() {
 /// Errors of a step that the scenario sets are compared with the standard deviations of the data.
 #[test]
 fn a_step_that_is_coarse_for_the_data_needs_care() {
-    let parameters = json!([
-        {"kind": "scalar", "pointer": "/laws/modified/coefficient", "bounds": [1e9, 1e12]},
-    ]);
+    let parameters = json!([{"kind": "scalar", "pointer": "/laws/modified/coefficient",
+        "bounds": [1e9, 1e12]}]);
     for (deviation, needs_care) in [(1e-6, true), (1.0, false)] {
         let hit = |peak: f64| {
-            let value = json!({"value": 850.0, "standard_deviation": deviation});
-            json!({"force_peak_n": peak, "features": {"fundamental.frequency_hz": value}})
+            json!({"force_peak_n": peak, "features": {"fundamental.frequency_hz":
+                {"value": 850.0, "standard_deviation": deviation}}})
         };
-        let data = json!([{"kind": "hits", "name": "hits", "hits": [hit(10.0), hit(20.0)]}]);
+        let data = json!([{"kind": "hits", "hits": [hit(10.0), hit(20.0)]}]);
         let found = identify(&problem(&parameters, &data).fast()).unwrap();
         let [errors] = &found.feature_errors[..] else { panic!("{:?}", found.feature_errors) };
         assert_eq!((errors.feature.as_str(), errors.observations), ("fundamental.frequency_hz", 2));
-        let reasons = found.judgement().reasons;
-        let reason = reasons.iter().find(|reason| reason.kind == ReasonKind::Numerics);
+        let mut reasons = found.judgement().reasons.into_iter();
+        let reason = reasons.find(|reason| reason.kind == ReasonKind::Numerics);
         assert_eq!(reason.is_some(), needs_care, "{errors:?}");
         if let Some(reason) = reason {
             assert!(reason.words.contains("the scenario sets the step 2e-5 s"), "{}", reason.words);

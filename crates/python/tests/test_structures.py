@@ -122,6 +122,12 @@ def test_matrices_that_do_not_fit_are_refused(tmp_path: Path) -> None:
         asperity.write_matrices(tmp_path, unit, unit, [[1, 3], [2, 3]])
 
 
-def test_laws_of_structures_are_refused_by_name(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="structure of matrices"):
-        asperity.laws(asperity.Scenario(document(tmp_path), folder=tmp_path))
+def test_laws_of_structures_are_those_of_bars(tmp_path: Path) -> None:
+    named = document(tmp_path)
+    named["laws"] = {"rough": LAW}
+    named["interfaces"][0]["law"] = "rough"
+    scenario = asperity.Scenario(named, folder=tmp_path)
+    law = asperity.laws(scenario)["rough"]
+    assert law == asperity.Law(LAW)
+    table = asperity.tabulate(scenario)["rough"]
+    assert np.array_equal(table["stiffness_pa_per_m"], law.stiffness(table["pressure_pa"]))

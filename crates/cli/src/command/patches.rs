@@ -2,14 +2,13 @@
 
 use asperity_scenario::{Document, StructureScenario};
 use asperity_simulation::patches::{
-    CellSummary, PatchStructure, PatchSummary, assemble_patches, mesh_modes, patch_grid,
-    patch_maps, patch_modes, simulate_patches,
+    CellSummary, PatchStructure, PatchSummary, assemble_patches, patch_grid, patch_maps,
+    simulate_patches,
 };
-use asperity_simulation::provenance::Provenance;
 use serde_json::json;
 
 use super::ResultFolder;
-use super::shown::{show_modes, with_percents, write_run};
+use super::shown::{with_percents, write_run};
 use crate::args::Output;
 use crate::args::analyse::RecordFormat;
 use crate::args::figures::MagnitudeAxis;
@@ -53,7 +52,7 @@ pub(super) fn simulate(
 }
 
 /// Pressures at rest where the cells are, as a figure and a grid of `ParaView`.
-fn write_maps(
+pub(super) fn write_maps(
     folder: &ResultFolder,
     scenario: &StructureScenario,
     structure: &PatchStructure,
@@ -89,34 +88,6 @@ fn cells_in_words(summary: &PatchSummary, cells: &[Vec<CellSummary>]) -> String 
         ));
     }
     lines.concat()
-}
-
-/// Computes natural frequencies, damping ratios and participations about static equilibrium, and shapes on meshes.
-pub(super) fn modes(document: &Document, output: &Output, count: usize) -> Result<(), Failure> {
-    let scenario = checked(document)?;
-    let assembly = assemble_patches(&scenario, document.folder())?;
-    let found = patch_modes(&assembly, count)?;
-    let folder = ResultFolder::claim("modes", document.path(), output)?;
-    write_maps(&folder, &scenario, &assembly.structure, document)?;
-    for (number, mesh) in
-        (1..).zip(mesh_modes(&scenario, &assembly.structure, &found, document.folder())?)
-    {
-        folder.write(&format!("modes-{number}.vtu"), mesh.grid())?;
-        folder.write(&format!("modes-{number}.unv"), mesh.universal_file())?;
-    }
-    let provenance = Provenance::of_structure(document, &scenario)?;
-    let answer = found.summary(scenario.title.clone(), &assembly, provenance);
-    let folder = folder.finish("modes.json", &json!(answer), output.json)?;
-    if output.json {
-        return Ok(());
-    }
-    show_modes(&answer)?;
-    let free = answer.modes.iter().filter(|mode| mode.frequency_hz == 0.0).count();
-    if free > 0 {
-        answer_line!("{free} motions are held by no stiffness");
-    }
-    answer_line!("written to {}", folder.display());
-    Ok(())
 }
 
 /// Validates and assembles a structure, and prints its rest.

@@ -1,4 +1,4 @@
-//! What the commands for bars and for structures given by matrices write and print.
+//! Progress and files of a run, of bars or of a structure given by matrices.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -7,7 +7,6 @@ use asperity_measure::{MeasureError, WriteOptions, write};
 use asperity_plot as plot;
 use asperity_simulation::assemble::Interfaces;
 use asperity_simulation::error::OutputError;
-use asperity_simulation::modes::ModesSummary;
 use asperity_simulation::record::{frf_columns, frf_csv, history_csv, measurement_record};
 use asperity_simulation::run::{Run, receptance};
 
@@ -52,15 +51,6 @@ pub(super) fn write_run<S: Interfaces>(
             MeasureError::Io { source, .. } => OutputError::Io { path, source }.into(),
             other => Failure::from(AnalysisError::from(other)),
         })?;
-    }
-    Ok(())
-}
-
-/// Prints frequencies and damping.
-pub(super) fn show_modes(answer: &ModesSummary) -> Result<(), Failure> {
-    for (number, mode) in answer.modes.iter().enumerate() {
-        let (hz, percent) = (mode.frequency_hz, 100.0 * mode.damping_ratio);
-        answer_line!("mode {:<3} {hz:>12.3} Hz   damping {percent:.3} %", number + 1);
     }
     Ok(())
 }

@@ -26,6 +26,7 @@ fn scripts_parse() {
 }
 
 /// Says what is not installed; fails where the browser is a condition, as in the workflow.
+#[allow(clippy::print_stderr, reason = "a test says that it was skipped")]
 fn skipped(what: &str) {
     let required = std::env::var("ASPERITY_BROWSER").is_ok_and(|value| value == "required");
     assert!(!required, "{what} is not installed");
