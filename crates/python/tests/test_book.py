@@ -75,7 +75,7 @@ def test_the_overview_runs(
     assert "/excitation/peak" in capsys.readouterr().out
 
 
-@pytest.mark.filterwarnings("ignore::asperity.AsperityWarning")
+@pytest.mark.filterwarnings("ignore::asperity.AsperityWarning", "ignore::asperity.NoticeWarning")
 def test_the_page_of_measured_hits_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     rate = 25600.0

