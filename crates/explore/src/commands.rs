@@ -5,8 +5,9 @@ use std::fmt::Write as _;
 use asperity_scenario::Document;
 use serde_json::{Value, json};
 
+use crate::change::Change;
 use crate::computation::level_variation;
-use crate::message::{Change, Part};
+use crate::message::Part;
 use crate::settings::Settings;
 
 /// The command that computes each part; `given` are the changes with which the page was opened.

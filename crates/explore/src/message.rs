@@ -1,8 +1,8 @@
 //! Requests of the page and answers to it, as JSON.
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
+use crate::change::{Change, Fault};
 use crate::settings::Settings;
 
 /// Most bytes of a request.
@@ -11,10 +11,6 @@ pub(crate) const MOST_BYTES: usize = 1 << 20;
 /// Most changes of a state, and most characters of the name of a page.
 pub(crate) const MOST_CHANGES: usize = 500;
 const MOST_NAME: usize = 64;
-
-/// A value of the scenario and its new value.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Change(pub(crate) String, pub(crate) Value);
 
 /// Results that are computed together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -184,12 +180,4 @@ pub(crate) enum Answer {
     Superseded,
     /// The last line.
     Done { seconds: f64 },
-}
-
-/// A value that is not accepted.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Fault {
-    /// JSON Pointer to the value; empty for the whole scenario.
-    pub(crate) pointer: String,
-    pub(crate) text: String,
 }

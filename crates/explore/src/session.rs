@@ -10,14 +10,13 @@ use std::time::{Duration, Instant};
 use asperity_figure::Figure;
 use serde_json::{Value, json};
 
+use crate::change::{Change, Fault};
 use crate::commands::commands;
 use crate::computation::{Beside, ComputationError, Results, compute};
 use crate::controls::groups;
 use crate::keep::{Files, existing, problem_files, state_files, write};
 use crate::measured::Measured;
-use crate::message::{
-    Answer, Change, ComputeRequest, Fault, KeepRequest, Part, StateRequest, View, ViewSize,
-};
+use crate::message::{Answer, ComputeRequest, KeepRequest, Part, StateRequest, View, ViewSize};
 use crate::settings::Settings;
 use crate::state::{Base, State};
 

@@ -8,7 +8,7 @@ use asperity_scenario::{
 };
 use serde_json::Value;
 
-use crate::message::{Change, Fault};
+use crate::change::{Change, Fault};
 
 /// The scenario of the file.
 #[derive(Debug)]

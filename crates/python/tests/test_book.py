@@ -99,7 +99,7 @@ def test_the_page_of_measured_hits_runs(tmp_path: Path, monkeypatch: pytest.Monk
     given = {"hits": hits, "force": force, "acceleration": acceleration}
     assert run(MEASURED, blocks_of(MEASURED), given) == []
     band = given["band"]
-    assert given["identified"].use != "no"
+    assert given["identified"].report["judgement"]["use"] != "no"
     # The law inside the band where the data inform it.
     law = asperity.laws(rig)["modified"]
     informed = band["informed"]
