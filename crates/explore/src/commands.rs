@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 use asperity_scenario::Document;
 use serde_json::{Value, json};
 
-use crate::change::Change;
 use crate::computation::level_variation;
 use crate::message::Part;
 use crate::settings::Settings;
+use crate::state::Change;
 
 /// The command that computes each part; `given` are the changes with which the page was opened.
 pub(crate) fn commands(

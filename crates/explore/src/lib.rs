@@ -13,7 +13,6 @@
 //! | `server` | the server: addresses, checks of requests |
 //! | `message` | requests and answers |
 //! | `jobs` | the newest request of a part wins |
-//! | `change` | changes of a scenario, and faults in them |
 //! | `state` | the scenario with its changes |
 //! | `controls` | numbers and choices of a scenario, by its schema |
 //! | `settings` | force levels and frequency ranges, which are not part of a scenario |
@@ -29,7 +28,6 @@
 //! another `Host`, or from pages of another origin, are refused. A change may hold no text that is not in the
 //! scenario or its schema, so that no file is read but the scenario's own.
 
-mod change;
 mod commands;
 mod computation;
 mod controls;

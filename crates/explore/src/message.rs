@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::change::{Change, Fault};
 use crate::settings::Settings;
+use crate::state::{Change, Fault};
 
 /// Most bytes of a request.
 pub(crate) const MOST_BYTES: usize = 1 << 20;

@@ -10,7 +10,6 @@ use std::time::{Duration, Instant};
 use asperity_figure::Figure;
 use serde_json::{Value, json};
 
-use crate::change::{Change, Fault};
 use crate::commands::commands;
 use crate::computation::{Beside, ComputationError, Results, compute};
 use crate::controls::groups;
@@ -18,7 +17,7 @@ use crate::keep::{Files, existing, problem_files, state_files, write};
 use crate::measured::Measured;
 use crate::message::{Answer, ComputeRequest, KeepRequest, Part, StateRequest, View, ViewSize};
 use crate::settings::Settings;
-use crate::state::{Base, State};
+use crate::state::{Base, Change, Fault, State};
 
 /// Pinned results that are kept: of the parts of two pages.
 const MOST_KEPT: usize = 6;
