@@ -87,43 +87,47 @@ fn hit(
     progress: Progress<'_>,
 ) -> Result<Results, ComputationError> {
     let document = &state.document;
+    let mut results = Results::default();
     match &state.scenario {
         AnyScenario::Bars(scenario) => {
             let run = simulate_with_progress(document, scenario, progress);
-            let interfaces = run.as_ref().map_or(&[][..], |run| &run.summary.interfaces);
-            let of_scenario = ScenarioLaws::of_bars(scenario);
-            let laws = of_scenario.and_then(|laws| laws_visited(laws, interfaces));
-            let laws = laws.map_err(|error| error.to_string());
-            let mut results = Results { figures: vec![(View::Law, laws)], ..Results::default() };
+            let visited = run.as_ref().map_or(&[][..], |run| &run.summary.interfaces);
+            results.add_laws(ScenarioLaws::of_bars(scenario)?, visited, beside)?;
             results.add(run.as_ref(), settings, beside)?;
-            if beside.tables {
-                let tables = ScenarioLaws::of_bars(scenario)?.tables()?;
-                let names = distinct_file_names(tables.iter().map(|law| law.name.as_str()));
-                let named = names.iter().zip(&tables);
-                let named = named.map(|(name, law)| (format!("law-{name}.csv"), law_csv(law)));
-                results.tables.extend(named);
-            }
-            Ok(results)
         }
         AnyScenario::Structure(scenario) => {
-            let found = simulate_patches(document, scenario, progress);
-            let laws = match &found {
-                Ok(found) => {
-                    let of_scenario =
-                        ScenarioLaws::of_structure(scenario, &found.run.summary.at_rest);
-                    laws_visited(of_scenario, &found.run.summary.interfaces)
-                        .map_err(|error| error.to_string())
-                }
-                Err(error) => Err(error.to_string()),
-            };
-            let mut results = Results { figures: vec![(View::Law, laws)], ..Results::default() };
-            results.add(found.as_ref().map(|found| &found.run), settings, beside)?;
-            Ok(results)
+            let run = simulate_patches(document, scenario, progress).map(|found| found.run);
+            if let Ok(run) = &run {
+                let summary = &run.summary;
+                let laws = ScenarioLaws::of_structure(scenario, &summary.at_rest);
+                results.add_laws(laws, &summary.interfaces, beside)?;
+            }
+            results.add(run.as_ref(), settings, beside)?;
         }
     }
+    Ok(results)
 }
 
 impl Results {
+    /// Adds the laws, with the pressures visited by a run.
+    fn add_laws(
+        &mut self,
+        laws: ScenarioLaws,
+        visited: &[InterfaceSummary],
+        beside: Beside<'_>,
+    ) -> Result<(), SimulationError> {
+        if beside.tables {
+            let tables = laws.tables()?;
+            let names = distinct_file_names(tables.iter().map(|law| law.name.as_str()));
+            let named = names.iter().zip(&tables);
+            let named = named.map(|(name, law)| (format!("law-{name}.csv"), law_csv(law)));
+            self.tables.extend(named);
+        }
+        let figure = laws_visited(laws, visited).map_err(|error| error.to_string());
+        self.figures.push((View::Law, figure));
+        Ok(())
+    }
+
     /// Adds the figures and words of a run, or its error.
     fn add<S: Interfaces>(
         &mut self,

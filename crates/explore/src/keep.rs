@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use asperity_figure::{Figure, FigureError};
 use asperity_scenario::{AnyScenario, LawRef};
+use asperity_simulation::output::write_file;
 use serde_json::{Value, json};
 
 use crate::computation::Results;
@@ -117,8 +118,8 @@ pub(crate) fn write(folder: &Path, files: &Files) -> Result<(), (PathBuf, io::Er
     for (name, contents) in files {
         let place = folder.join(name);
         let unfinished = folder.join(format!(".{name}.unfinished"));
-        let written = std::fs::write(&unfinished, contents)
-            .and_then(|()| std::fs::rename(&unfinished, &place));
+        let written =
+            write_file(&unfinished, contents).and_then(|()| std::fs::rename(&unfinished, &place));
         if let Err(error) = written {
             // What is left of it is no result.
             let _ = std::fs::remove_file(&unfinished);

@@ -13,7 +13,7 @@ pub(crate) const MOST_CHANGES: usize = 500;
 const MOST_NAME: usize = 64;
 
 /// Results that are computed together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Part {
     /// One hit: laws, history, receptance.

@@ -81,24 +81,14 @@ impl Session {
 
     /// The controls of a state, its faults, and its settings, as JSON.
     pub(crate) fn describe(&self, request: &StateRequest) -> String {
-        let (groups, faults) = match self.base.changed(&request.changes) {
-            Ok(document) => {
-                let groups = groups(self.base.schema(), &document, &self.base.document);
-                match self.base.state(&request.changes) {
-                    Ok(_) => (groups, Vec::new()),
-                    Err(faults) => (groups, faults),
-                }
-            }
-            Err(fault) => {
-                (groups(self.base.schema(), &self.base.document, &self.base.document), vec![fault])
-            }
-        };
+        let faults = self.base.state(&request.changes).err().unwrap_or_default();
+        let changed = self.base.changed(&request.changes);
+        let changed = changed.as_ref().unwrap_or(&self.base.document);
+        let groups = groups(self.base.schema(), changed, &self.base.document);
         let settings = request.settings.filled(self.usual());
         let views = View::ALL.map(|view| {
             json!({ "view": view, "title": view.title(), "part": view.part(), "stem": view.stem() })
         });
-        let changed = self.base.changed(&request.changes);
-        let changed = changed.as_ref().unwrap_or(&self.base.document);
         json!({
             "commands": commands(changed, &self.given, &request.changes, &settings),
             "title": self.base.document.value().get("title"),
@@ -208,6 +198,7 @@ impl Session {
     /// Scenario, figures and tables of the views.
     fn files(&self, state: &State, request: &KeepRequest) -> Result<Files, String> {
         let mut parts: Vec<Part> = request.views.iter().map(|view| view.part()).collect();
+        parts.sort_unstable();
         parts.dedup();
         let beside = Beside { measured: self.measured.as_ref(), tables: true };
         let settings = request.settings.filled(self.usual());

@@ -20,7 +20,7 @@ const LOW_FORCE: f64 = 1e-3;
 const FIRST_HARMONICS: usize = 5;
 const SAMPLES_PER_HARMONIC: usize = 16;
 
-/// Most points times unknowns of a branch whose harmonics are chosen, some ten seconds to a minute, and of a branch
+/// Most points times unknowns of a branch whose harmonics are chosen, ten seconds to some minutes, and of a branch
 /// with fewer that takes the place of one beyond it.
 const MOST_WORK: usize = 2_000_000;
 const MOST_COARSER_WORK: usize = 400_000;

@@ -6,7 +6,6 @@ use asperity_simulation::error_control::ConvergedRun;
 use asperity_simulation::quantity::Quantity;
 use asperity_simulation::warning::Warning;
 use serde::Serialize;
-use serde_json::Value;
 
 use crate::observed_quantity::ObservedQuantity;
 use crate::scenario_model::ScenarioModel;
@@ -86,8 +85,6 @@ pub struct FeatureErrors {
     pub observations: usize,
     /// Root mean square of error over standard deviation of the observation.
     pub deviations: f64,
-    /// Step \[s\] that the scenario sets for all hits.
-    pub step_s: Option<f64>,
 }
 
 /// Numerics of the hits of a model at a point, and the errors in their observed features.
@@ -107,7 +104,6 @@ impl FeatureErrors {
         converged: &[Result<ConvergedRun, SimulationError>],
         observations: &[Observation],
     ) -> Vec<Self> {
-        let step_s = model.scenario.pointer("/method/step_s").and_then(Value::as_f64);
         let mut found: Vec<Self> = Vec::new();
         for (quantity, observation) in model.quantities.iter().zip(observations) {
             let ObservedQuantity::Feature { hit, column } = *quantity else { continue };
@@ -125,7 +121,6 @@ impl FeatureErrors {
                     feature: feature.clone(),
                     observations: 1,
                     deviations: square,
-                    step_s,
                 }),
             }
         }

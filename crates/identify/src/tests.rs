@@ -594,7 +594,7 @@ fn a_step_that_is_coarse_for_the_data_needs_care() {
         let reason = reasons.find(|reason| reason.kind == ReasonKind::Numerics);
         assert_eq!(reason.is_some(), needs_care, "{errors:?}");
         if let Some(reason) = reason {
-            assert!(reason.words.contains("the scenario sets the step 2e-5 s"), "{}", reason.words);
+            assert!(reason.words.contains("Without \"step_s\""), "{}", reason.words);
         }
     }
 }

@@ -194,6 +194,12 @@ pub fn remarks(branch: &BranchSummary) -> Vec<String> {
             finer.points
         ));
     }
+    if !branch.ranges_without_stable_hz.is_empty() {
+        let ranges = branch.ranges_without_stable_hz.iter();
+        let ranges: Vec<String> =
+            ranges.map(|[from, to]| format!("{from:.3} to {to:.3} Hz")).collect();
+        remarks.push(format!("no stable response is known from {}", ranges.join(", ")));
+    }
     if !branch.motions.is_empty() {
         let all: Vec<String> = branch.motions.iter().map(motion).collect();
         remarks.push(format!("time integration {}", all.join("; ")));

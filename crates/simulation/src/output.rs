@@ -192,7 +192,10 @@ impl OutputFolder {
 }
 
 /// Writes a file to the disk, not to memory alone: a full disk is an error here.
-fn write_file(path: &Path, contents: &[u8]) -> io::Result<()> {
+///
+/// # Errors
+/// Those of the system.
+pub fn write_file(path: &Path, contents: &[u8]) -> io::Result<()> {
     let mut file = File::create(path)?;
     file.write_all(contents)?;
     file.sync_all()

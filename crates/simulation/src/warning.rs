@@ -102,7 +102,7 @@ impl fmt::Display for Warning {
                 f,
                 "the estimated relative error of the observables is {estimated:.1e}, more than the \
                  {asked:.0e} asked for; cell_m may be smaller, step_s and modes_per_body left out, \
-                 or a larger accuracy asked for"
+                 modes of a reduction more, or a larger accuracy asked for"
             ),
             Self::Sensitive { from_s } => write!(
                 f,

@@ -43,15 +43,8 @@ impl Identification {
     pub(super) fn of_numerics(&self) -> Option<Reason> {
         let errors = self.feature_errors.iter().filter(|one| one.deviations > NUMERICAL);
         let worst = errors.max_by(|a, b| a.deviations.total_cmp(&b.deviations))?;
-        let remedy = match worst.step_s {
-            Some(step) => format!(
-                "the scenario sets the step {} s; without \"step_s\" in \"method\" it is chosen by the accuracy.",
-                four_digits(step)
-            ),
-            None => "a smaller \"accuracy\" in \"method\" of the scenario lowers them.".to_owned(),
-        };
         let words = format!(
-            "the errors of the integration are estimated as {:.1} standard deviations of the {} observations of {} (root mean square): {remedy}",
+            "the errors of the integration are estimated as {:.1} standard deviations of the {} observations of {} (root mean square). Without \"step_s\" in \"method\" of the scenario the step is chosen by its \"accuracy\", and a smaller one lowers them.",
             worst.deviations, worst.observations, worst.feature
         );
         let numbers =
