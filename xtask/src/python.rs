@@ -20,9 +20,10 @@ const ACCEPTED: &str = "import sys, venv, ensurepip; sys.exit(sys.version_info <
 /// Packages that build and test the wheel.
 const TOOLS: [&str; 4] = ["maturin>=1.9,<2", "mypy", "numpy", "pytest"];
 
-/// Packages that results are compared with, that take tables, and that run the notebooks; tests
+/// Packages that results are compared with, that take tables, that run the notebooks, and the widget; tests
 /// without them skip, by name.
-const COMPARED: [&str; 10] = [
+const COMPARED: [&str; 11] = [
+    "anywidget",
     "ipykernel",
     "matplotlib",
     "nbclient",

@@ -13,8 +13,8 @@ use asperity_simulation::record::{frf_columns, frf_csv, history_csv, law_csv};
 use asperity_simulation::run::{Run, receptance, simulate_with_progress};
 use asperity_simulation::static_state::StaticSummary;
 use asperity_simulation::steady::{
-    BodyModel, Shaken, Steady, SteadyRequest, SteadySummary, backbone_table, steady_table,
-    steady_with_progress,
+    BodyModel, Shaken, Steady, SteadyProgress, SteadyRequest, SteadySummary, backbone_table,
+    steady_table, steady_with_progress,
 };
 use asperity_simulation::summary::InterfaceSummary;
 use asperity_simulation::sweep::{SweepError, Variation, sweep_with_progress};
@@ -303,8 +303,9 @@ fn branches<S: Shaken>(
 ) -> Result<Steady, SimulationError> {
     let done = std::sync::atomic::AtomicUsize::new(0);
     let of = request.amplitudes.len() as f64;
-    steady_with_progress(assembly, request, &|| {
-        let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+    steady_with_progress(assembly, request, &|ended| {
+        let ended = usize::from(ended == SteadyProgress::Level);
+        let done = done.fetch_add(ended, std::sync::atomic::Ordering::Relaxed) + ended;
         progress(done as f64 / of);
     })
 }

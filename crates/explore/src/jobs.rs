@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use tokio::sync::{Mutex as Turn, Semaphore};
+use tokio::sync::Mutex as Turn;
 
 use crate::message::Part;
 
@@ -12,11 +12,9 @@ use crate::message::Part;
 const MOST_PLACES: usize = 64;
 
 /// The computations of all pages.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Jobs {
     places: Mutex<Places>,
-    /// Computations at a time.
-    pub(crate) room: Arc<Semaphore>,
 }
 
 #[derive(Debug, Default)]
@@ -35,10 +33,6 @@ pub(crate) struct Job {
 }
 
 impl Jobs {
-    pub(crate) fn new(at_a_time: usize) -> Self {
-        Self { places: Mutex::default(), room: Arc::new(Semaphore::new(at_a_time)) }
-    }
-
     /// The newest computation of a page for a part; the one before is stopped. None once all are closed.
     pub(crate) fn begin(&self, tab: &str, part: Part) -> Option<Job> {
         let mut places = self.places.lock().unwrap_or_else(PoisonError::into_inner);
@@ -80,7 +74,7 @@ mod tests {
 
     #[test]
     fn the_newest_request_of_a_page_for_a_part_wins() {
-        let jobs = Jobs::new(1);
+        let jobs = Jobs::default();
         let first = jobs.begin("a", Part::Hit).unwrap();
         let other_part = jobs.begin("a", Part::Steady).unwrap();
         let other_page = jobs.begin("b", Part::Hit).unwrap();
@@ -94,7 +88,7 @@ mod tests {
 
     #[test]
     fn pages_that_have_gone_are_forgotten() {
-        let jobs = Jobs::new(1);
+        let jobs = Jobs::default();
         let kept = jobs.begin("kept", Part::Hit).unwrap();
         for page in 0..10 * MOST_PLACES {
             jobs.begin(&page.to_string(), Part::Hit);

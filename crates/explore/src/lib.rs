@@ -1,4 +1,4 @@
-//! A live page of a scenario, served to the browser of the same machine.
+//! A live page of a scenario, served to the browser of the same machine or shown in a notebook.
 //!
 //! ```text
 //! page: changes of numbers -> server: scenario with the changes -> simulation -> figures of `plot` -> page
@@ -10,6 +10,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | `explorer` | a page and its answers, whatever carries them |
 //! | `server` | the server: addresses, checks of requests |
 //! | `message` | requests and answers |
 //! | `jobs` | the newest request of a part wins |
@@ -31,6 +32,7 @@
 mod commands;
 mod computation;
 mod controls;
+mod explorer;
 mod jobs;
 mod keep;
 mod measured;
@@ -41,4 +43,5 @@ mod session;
 mod settings;
 mod state;
 
-pub use server::{ExploreError, ExploreOptions, Server};
+pub use explorer::{ExploreError, ExploreOptions, Explorer, Reply};
+pub use server::Server;

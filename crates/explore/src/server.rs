@@ -2,15 +2,13 @@
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use asperity_figure::BUNDLED_FONTS;
-use asperity_identify::IdentificationError;
-use asperity_scenario::{Document, DocumentError, InvalidDocument};
-use asperity_simulation::output::file_name::file_name;
+use asperity_scenario::Document;
 use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::extract::{DefaultBodyLimit, Request, State as Shared};
@@ -19,16 +17,14 @@ use axum::http::{Method, StatusCode};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
-use thiserror::Error;
 use tokio::net::TcpListener;
-use tokio::sync::mpsc;
+use tokio::sync::{Semaphore, mpsc};
 
-use crate::jobs::{Job, Jobs};
-use crate::measured::Measured;
-use crate::message::{Answer, ComputeRequest, KeepRequest, MOST_BYTES, StateRequest};
+use crate::explorer::{self, ExploreError, ExploreOptions, Explorer};
+use crate::jobs::Job;
+use crate::message::{ComputeRequest, KeepRequest, MOST_BYTES, StateRequest};
 use crate::page;
-use crate::session::{DEFECT, Session, Sink};
-use crate::state::Base;
+use crate::session::DEFECT;
 
 /// Time between two looks at the flag that ends the server.
 const LOOK: Duration = Duration::from_millis(50);
@@ -41,57 +37,13 @@ const CONTENT_SECURITY: &str = "default-src 'none'; script-src 'self'; style-src
                                 connect-src 'self'; img-src 'self'; base-uri 'none'; form-action 'none'; \
                                 frame-ancestors 'none'";
 
-/// Options of the live page.
-#[derive(Debug, Clone, Default)]
-#[non_exhaustive]
-pub struct ExploreOptions {
-    /// Port of the loopback address; a free one without.
-    pub port: Option<u16>,
-    /// Folder for what is kept, which is made when something is; `out/` and the name of the scenario's file
-    /// with `-explore` without.
-    pub out: Option<PathBuf>,
-    /// An `analysis.json` whose hits are shown beside the computed ones.
-    pub data: Option<PathBuf>,
-    /// Changes that the document has already, as `--set` takes them: commands that the page copies repeat
-    /// them.
-    pub set: Vec<String>,
-}
-
-/// A page that cannot be served.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum ExploreError {
-    /// The scenario cannot be read.
-    #[error(transparent)]
-    Document(#[from] DocumentError),
-    /// The scenario is not valid.
-    #[error(transparent)]
-    Invalid(#[from] InvalidDocument),
-    /// The measured hits cannot be read.
-    #[error(transparent)]
-    Data(Box<IdentificationError>),
-    /// The address cannot be listened at.
-    #[error(
-        "127.0.0.1:{port} cannot be listened at: {source}; accepted: a port that no other program uses, or none for any"
-    )]
-    Port {
-        /// Port.
-        port: u16,
-        /// Cause.
-        source: io::Error,
-    },
-    /// The system gives no random numbers, or no thread.
-    #[error("the page cannot be served: {0}")]
-    System(io::Error),
-}
-
 /// The server of a scenario's page, listening and not yet answering.
 #[derive(Debug)]
 pub struct Server {
     listener: std::net::TcpListener,
     address: SocketAddr,
     token: String,
-    session: Session,
+    explorer: Arc<Explorer>,
 }
 
 /// State that requests share.
@@ -99,8 +51,9 @@ pub struct Server {
 struct Site {
     address: SocketAddr,
     token: String,
-    session: Session,
-    jobs: Jobs,
+    explorer: Arc<Explorer>,
+    /// Computations at a time.
+    room: Arc<Semaphore>,
 }
 
 impl Server {
@@ -117,8 +70,15 @@ impl Server {
     /// # Errors
     /// Those of [`open`](Self::open).
     pub fn of(document: Document, options: &ExploreOptions) -> Result<Self, ExploreError> {
-        document.any_scenario()?;
-        let port = options.port.unwrap_or(0);
+        Self::new(Arc::new(Explorer::new(document, options)?), options.port)
+    }
+
+    /// The server of a page, at a port or at any.
+    ///
+    /// # Errors
+    /// [`ExploreError::Port`] for an address in use, [`ExploreError::System`] without random numbers.
+    pub fn new(explorer: Arc<Explorer>, port: Option<u16>) -> Result<Self, ExploreError> {
+        let port = port.unwrap_or(0);
         let listening = std::net::TcpListener::bind((Ipv4Addr::LOCALHOST, port)).and_then(|one| {
             one.set_nonblocking(true)?;
             Ok((one.local_addr()?, one))
@@ -126,11 +86,7 @@ impl Server {
         let (address, listener) =
             listening.map_err(|source| ExploreError::Port { port, source })?;
         let token = token().map_err(ExploreError::System)?;
-        let measured = options.data.as_deref().map(Measured::read).transpose();
-        let measured = measured.map_err(|error| ExploreError::Data(Box::new(error)))?;
-        let out = options.out.clone().unwrap_or_else(|| usual_folder(document.path()));
-        let session = Session::new(Base::new(document), out, measured, options.set.clone());
-        Ok(Self { listener, address, token, session })
+        Ok(Self { listener, address, token, explorer })
     }
 
     /// Address of the page, with its token.
@@ -154,22 +110,18 @@ impl Server {
     async fn serve(self, stop: Arc<AtomicBool>) -> io::Result<()> {
         let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let listener = TcpListener::from_std(self.listener)?;
-        let Self { address, token, session, .. } = self;
-        let site = Arc::new(Site { address, token, session, jobs: Jobs::new(cores) });
+        let Self { address, token, explorer, .. } = self;
+        let site =
+            Arc::new(Site { address, token, explorer, room: Arc::new(Semaphore::new(cores)) });
         let server = axum::serve(listener, routes(&site));
         tokio::select! {
             served = async { server.await } => served,
             () = stopped(&stop) => {
-                site.jobs.close();
+                site.explorer.close();
                 Ok(())
             }
         }
     }
-}
-
-fn usual_folder(scenario: &Path) -> PathBuf {
-    let stem = scenario.file_stem().unwrap_or(scenario.as_os_str()).to_string_lossy();
-    PathBuf::from("out").join(file_name(&format!("{stem}-explore")))
 }
 
 async fn stopped(stop: &AtomicBool) {
@@ -248,10 +200,8 @@ fn foreign(method: &Method, headers: &HeaderMap, address: SocketAddr) -> Option<
     }
 }
 
-/// An answer that refuses a request, with the reason in its `error`.
 fn refusal(status: StatusCode, reason: &str) -> Response {
-    let body = serde_json::json!({ "error": reason }).to_string();
-    (status, [(header::CONTENT_TYPE, JSON)], body).into_response()
+    (status, [(header::CONTENT_TYPE, JSON)], explorer::refusal(reason)).into_response()
 }
 
 const JSON: &str = "application/json";
@@ -261,12 +211,7 @@ fn parsed<T: serde::de::DeserializeOwned>(
     body: &Bytes,
     fault: impl Fn(&T) -> Option<String>,
 ) -> Result<T, Response> {
-    let request = serde_json::from_slice(body)
-        .map_err(|error| refusal(StatusCode::BAD_REQUEST, &error.to_string()))?;
-    match fault(&request) {
-        Some(fault) => Err(refusal(StatusCode::BAD_REQUEST, &fault)),
-        None => Ok(request),
-    }
+    explorer::parsed(body, fault).map_err(|fault| refusal(StatusCode::BAD_REQUEST, &fault))
 }
 
 /// Answers with the controls of a state.
@@ -275,7 +220,8 @@ async fn state(Shared(site): Shared<Arc<Site>>, body: Bytes) -> Response {
         Ok(request) => request,
         Err(refusal) => return refusal,
     };
-    let described = tokio::task::spawn_blocking(move || site.session.describe(&request)).await;
+    let described =
+        tokio::task::spawn_blocking(move || site.explorer.session.describe(&request)).await;
     match described {
         Ok(text) => ([(header::CONTENT_TYPE, JSON)], text).into_response(),
         Err(_) => refusal(StatusCode::INTERNAL_SERVER_ERROR, DEFECT),
@@ -288,8 +234,8 @@ async fn keep(Shared(site): Shared<Arc<Site>>, body: Bytes) -> Response {
         Ok(request) => request,
         Err(refusal) => return refusal,
     };
-    let _room = Arc::clone(&site.jobs.room).acquire_owned().await;
-    let kept = tokio::task::spawn_blocking(move || site.session.keep(&request)).await;
+    let _room = Arc::clone(&site.room).acquire_owned().await;
+    let kept = tokio::task::spawn_blocking(move || site.explorer.session.keep(&request)).await;
     match kept {
         Ok(answer) => ([(header::CONTENT_TYPE, JSON)], answer.to_string()).into_response(),
         Err(_) => refusal(StatusCode::INTERNAL_SERVER_ERROR, DEFECT),
@@ -302,7 +248,7 @@ async fn compute(Shared(site): Shared<Arc<Site>>, body: Bytes) -> Response {
         Ok(request) => request,
         Err(refusal) => return refusal,
     };
-    let Some(job) = site.jobs.begin(&request.tab, request.part) else {
+    let Some(job) = site.explorer.jobs.begin(&request.tab, request.part) else {
         return refusal(StatusCode::SERVICE_UNAVAILABLE, "the server ends");
     };
     let (sender, receiver) = mpsc::channel(LINES);
@@ -320,12 +266,10 @@ async fn computed(
 ) {
     let begun = Instant::now();
     let turn = Arc::clone(&job.turn).lock_owned().await;
-    let room = Arc::clone(&site.jobs.room).acquire_owned().await;
+    let room = Arc::clone(&site.room).acquire_owned().await;
     let work = tokio::task::spawn_blocking(move || {
-        let sink = Sink { sender: &|line| sender.blocking_send(line).is_ok(), stop: &job.stop };
-        site.session.compute(&request, &sink);
-        let seconds = begun.elapsed().as_secs_f64();
-        sink.send(&if sink.is_stopped() { Answer::Superseded } else { Answer::Done { seconds } });
+        let line = |line| sender.blocking_send(line).is_ok();
+        site.explorer.compute(&request, &job, begun, &line);
         (turn, room)
     });
     if let Err(defect) = work.await {

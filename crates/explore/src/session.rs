@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use asperity_figure::Figure;
+use asperity_scenario::Document;
 use serde_json::{Value, json};
 
 use crate::commands::commands;
@@ -37,6 +38,8 @@ pub(crate) struct Session {
     usual: OnceLock<Settings>,
     /// Results of pinned states, the newest last.
     kept: Mutex<VecDeque<(Key, Arc<Results>)>>,
+    /// Changes of the newest valid state.
+    left: Mutex<Vec<Change>>,
 }
 
 type Key = (Part, Settings, Vec<Change>);
@@ -69,7 +72,8 @@ impl Session {
         measured: Option<Measured>,
         given: Vec<String>,
     ) -> Self {
-        Self { base, out, measured, given, usual: OnceLock::new(), kept: Mutex::default() }
+        let (kept, left) = (Mutex::default(), Mutex::default());
+        Self { base, out, measured, given, usual: OnceLock::new(), kept, left }
     }
 
     fn usual(&self) -> &Settings {
@@ -82,6 +86,10 @@ impl Session {
     /// The controls of a state, its faults, and its settings, as JSON.
     pub(crate) fn describe(&self, request: &StateRequest) -> String {
         let faults = self.base.state(&request.changes).err().unwrap_or_default();
+        if faults.is_empty() {
+            let mut left = self.left.lock().unwrap_or_else(PoisonError::into_inner);
+            left.clone_from(&request.changes);
+        }
         let changed = self.base.changed(&request.changes);
         let changed = changed.as_ref().unwrap_or(&self.base.document);
         let groups = groups(self.base.schema(), changed, &self.base.document);
@@ -102,6 +110,12 @@ impl Session {
             "hits": self.measured.as_ref().map(Measured::count),
         })
         .to_string()
+    }
+
+    /// The document with the changes of the newest valid state.
+    pub(crate) fn left(&self) -> Document {
+        let left = self.left.lock().unwrap_or_else(PoisonError::into_inner);
+        self.base.changed(&left).unwrap_or_else(|_| self.base.document.clone())
     }
 
     /// Computes a part and sends its pictures and numbers.
@@ -259,11 +273,12 @@ fn picture(place: ViewSize, results: &Results, pinned: Option<&Results>) -> Answ
     let view = place.view;
     match of(results) {
         Some(Ok(figure)) => {
+            let columns = (COLUMNS_PER_PIXEL * width_of(place)) as usize;
             let figure = match pinned.and_then(of) {
                 Some(Ok(earlier)) => figure.over(&earlier, "pinned"),
                 _ => figure,
             };
-            let drawn = laid_out(figure, place).to_interactive(COLUMNS);
+            let drawn = laid_out(figure, place).to_interactive(columns);
             Answer::Picture { view, svg: drawn.svg, data: drawn.data }
         }
         Some(Err(reason)) => Answer::Absent { view, reason },
@@ -271,8 +286,8 @@ fn picture(place: ViewSize, results: &Results, pinned: Option<&Results>) -> Answ
     }
 }
 
-/// Columns of points of a panel: some three a pixel, for a zoom.
-const COLUMNS: usize = 1200;
+/// Columns of points of all lines of a panel over the pixels of the figure: some for a zoom.
+const COLUMNS_PER_PIXEL: f64 = 1.0;
 
 /// Pixels a millimetre of a figure on the page: text of 7 points has 11 pixels.
 const PIXELS_PER_MM: f64 = 4.4;
@@ -285,10 +300,14 @@ const TWO_COLUMNS: f64 = 640.0;
 const ASPECT: f64 = 0.5;
 const ROW_MM: std::ops::RangeInclusive<f64> = 40.0..=62.0;
 
+fn width_of(place: ViewSize) -> f64 {
+    let width = if place.width.is_finite() { place.width } else { 0.0 };
+    width.clamp(*WIDTHS.start(), *WIDTHS.end())
+}
+
 /// The figure as wide as its place.
 fn laid_out(figure: Figure, place: ViewSize) -> Figure {
-    let width = if place.width.is_finite() { place.width } else { 0.0 };
-    let width = width.clamp(*WIDTHS.start(), *WIDTHS.end());
+    let width = width_of(place);
     let columns = match place.view {
         View::Levels => 2,
         View::Steady => 1,

@@ -5,7 +5,7 @@
 
 use crate::{
     Figure, Marker, mark,
-    markup::{PX_PER_PT, escape},
+    markup::{PX_PER_PT, escape, push_rounded},
     plot::Plot,
     series::{Join, Series},
     text, tick_label, trace,
@@ -163,14 +163,30 @@ fn html(content: &str) -> String {
 }
 
 fn numbers(values: impl IntoIterator<Item = f64>) -> String {
-    let values: Vec<String> = values.into_iter().map(coordinate).collect();
-    format!("[{}]", values.join(","))
+    let mut text = String::from("[");
+    for (index, value) in values.into_iter().enumerate() {
+        if index > 0 {
+            text.push(',');
+        }
+        push_coordinate(&mut text, value);
+    }
+    text.push(']');
+    text
 }
 
 /// A length on the page, rounded to 0.001; null where there is none.
 fn coordinate(value: f64) -> String {
-    let thousandths = (value * 1e3).round();
-    if thousandths.is_finite() { format!("{}", thousandths / 1e3) } else { "null".to_owned() }
+    let mut text = String::new();
+    push_coordinate(&mut text, value);
+    text
+}
+
+fn push_coordinate(text: &mut String, value: f64) {
+    if value.is_finite() {
+        push_rounded(text, value, 3);
+    } else {
+        text.push_str("null");
+    }
 }
 
 /// A text as a JSON string that may stand in a script element.

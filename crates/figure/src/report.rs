@@ -4,6 +4,8 @@ mod embed;
 mod html;
 mod markdown;
 
+pub use embed::embedded_fonts;
+
 use crate::interactive::InteractiveFigure;
 
 /// Columns of points of a panel of an interactive figure.

@@ -48,9 +48,9 @@ impl<'a> BranchRecorder<'a> {
     }
 
     /// The branch with its stability.
-    pub(crate) fn ended(mut self, arc: &mut Arc<'_>) -> Branch {
+    pub(crate) fn ended(mut self, arc: &mut Arc<'_>, progress: &dyn Fn()) -> Branch {
         if let Some(mut floquet) = self.floquet.take() {
-            self.analyse(arc, &mut floquet);
+            self.analyse(arc, &mut floquet, progress);
         }
         self.branch
     }
@@ -156,11 +156,13 @@ impl<'a> BranchRecorder<'a> {
     }
 
     /// Adds multipliers to all points, and the bifurcations that they show.
-    fn analyse(&mut self, arc: &mut Arc<'_>, floquet: &mut FloquetSolver<'_>) {
+    fn analyse(&mut self, arc: &mut Arc<'_>, floquet: &mut FloquetSolver<'_>, progress: &dyn Fn()) {
         for point in &mut self.branch.points {
+            progress();
             point.multipliers = floquet.multipliers(&point.closures, point.angular_frequency);
         }
         for (after, (from, step)) in std::mem::take(&mut self.steps).into_iter().enumerate() {
+            progress();
             if let Some((kind, point)) = self.bifurcation(arc, floquet, (after, &from, step)) {
                 self.add_special(arc, kind, after, &from, &point);
             }

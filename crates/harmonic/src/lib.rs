@@ -116,4 +116,4 @@ pub use port::{PortMotion, SystemPort};
 pub use rigid_mass::RigidMass;
 pub use settings::{FourierResolution, HarmonicSettings, StepControl};
 pub use stepped_sine::{Drive, SineResponse, SineVariation, SteppedSineSolver};
-pub use trace::trace;
+pub use trace::{trace, trace_with_progress};

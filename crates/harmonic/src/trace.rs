@@ -66,18 +66,32 @@ pub fn trace(
     continuation: &Continuation,
     settings: &HarmonicSettings,
 ) -> Result<Branch, HarmonicError> {
+    trace_with_progress(system, continuation, settings, &|| ())
+}
+
+/// As [`trace`]; `progress` is called after each point that is found or analysed, of all branches that are tried.
+///
+/// # Errors
+/// Those of [`trace`].
+pub fn trace_with_progress(
+    system: &ContactSystem,
+    continuation: &Continuation,
+    settings: &HarmonicSettings,
+    progress: &dyn Fn(),
+) -> Result<Branch, HarmonicError> {
     settings.check()?;
     continuation.check()?;
-    let follow = |resolution, limit| follow(system, *continuation, settings, resolution, limit);
+    let path = Path { system, continuation: *continuation, settings, progress };
     match settings.resolution {
         FourierResolution::Fixed { harmonics, samples } => {
-            Ok(follow((harmonics, samples.max(4 * harmonics + 2)), Limits::default())?.analysed())
+            let resolution = (harmonics, samples.max(4 * harmonics + 2));
+            Ok(path.follow(resolution, Limits::default())?.analysed(progress))
         }
         FourierResolution::Automatic { tolerance, most } => {
             let at = |harmonics: usize, truncation: f64, work: usize| {
                 let samples = (SAMPLES_PER_HARMONIC * harmonics).next_multiple_of(8);
                 let points = work / (system.pairs() * (2 * harmonics + 1));
-                follow((harmonics, samples), Limits { truncation, points })
+                path.follow((harmonics, samples), Limits { truncation, points })
             };
             let mut harmonics = FIRST_HARMONICS.min(most);
             let mut finest = loop {
@@ -100,7 +114,7 @@ pub fn trace(
                     finest = coarser;
                 }
             }
-            Ok(finest.analysed())
+            Ok(finest.analysed(progress))
         }
     }
 }
@@ -132,8 +146,8 @@ impl Followed<'_> {
     }
 
     /// The branch with its stability.
-    fn analysed(mut self) -> Branch {
-        self.recorder.ended(&mut self.arc)
+    fn analysed(mut self, progress: &dyn Fn()) -> Branch {
+        self.recorder.ended(&mut self.arc, progress)
     }
 
     /// True if the branch ended for a reason that fewer harmonics may not have.
@@ -153,115 +167,132 @@ impl Followed<'_> {
     }
 }
 
-/// The branch at a given resolution.
-fn follow<'a>(
+/// What is followed, and who is told of it.
+#[derive(Clone, Copy)]
+struct Path<'a, 'p> {
     system: &'a ContactSystem,
     continuation: Continuation,
-    settings: &HarmonicSettings,
-    (harmonics, samples): (usize, usize),
-    limits: Limits,
-) -> Result<Followed<'a>, HarmonicError> {
-    let problem = ContinuationProblem::new(system, continuation, harmonics, samples)?;
-    let (from, to) = continuation.range();
-    let (start, end) = (problem.parameter(from), problem.parameter(to));
-    let sense = (end - start).signum();
-    let mut arc = ArcLength::new(problem, settings.steps);
-    let floquet = match continuation {
-        Continuation::Mode { .. } => None,
-        _ => settings.stability.map(|floquet| FloquetSolver::new(system, floquet)).transpose()?,
-    };
-    let mut recorder = BranchRecorder::new(floquet, harmonics, samples);
-    let mut point = first(&mut arc, system, continuation, sense, settings)?;
-    recorder.record(&mut arc, &point);
-    let most = settings.steps.points.min(limits.points);
-    let termination = loop {
-        let last = recorder.branch.points.last();
-        if last.is_some_and(|point| point.truncation > limits.truncation) {
-            break Termination::NotConverged;
-        }
-        if settings.until_contact_lost && last.is_some_and(PeriodicResponse::contact_lost) {
-            recorder.without_stability();
-            break Termination::ContactLost;
-        }
-        if let Some(beyond) = recorder.beyond_law(system) {
-            break beyond;
-        }
-        if recorder.branch.points.len() >= most {
-            break Termination::PointLimit;
-        }
-        if recorder.branch.points.len() == MANY_POINTS {
-            arc.control.turn *= 2.0;
-        }
-        let (next, step) = match arc.advance(&point) {
-            Ok(advanced) => advanced,
-            Err(failure) => break BranchRecorder::termination(system, failure),
-        };
-        let parameter = next.unknowns[next.unknowns.len() - 1];
-        if sense * (parameter - end) >= 0.0 {
-            let termination = recorder.finish(&mut arc, &point, &next, end);
-            break recorder.beyond_law(system).unwrap_or(termination);
-        }
-        if sense * (parameter - start) < 0.0 {
-            break Termination::Returned;
-        }
-        recorder.step(&mut arc, &point, &next, step);
-        point = next;
-    };
-    recorder.branch.termination = termination;
-    Ok(Followed { arc, recorder })
+    settings: &'p HarmonicSettings,
+    progress: &'p dyn Fn(),
 }
 
-/// The response at the start: from the linear one, or else along rising forces.
-fn first(
-    arc: &mut ArcLength<ContinuationProblem<'_>>,
-    system: &ContactSystem,
-    continuation: Continuation,
-    sense: f64,
-    settings: &HarmonicSettings,
-) -> Result<CurvePoint, HarmonicError> {
-    let (frequency_hz, force_n) = continuation.start();
-    let guess = arc.curve.linear_start().ok_or(HarmonicError::NoLinearResponse { frequency_hz })?;
-    let failure = match arc.solve_at(&guess, sense) {
-        Ok(point) => return Ok(point),
-        Err(failure) => failure,
-    };
-    let mut end = None;
-    if let Continuation::Frequency { force, from, .. } = continuation {
-        let rising = Continuation::Force { frequency: from, from: LOW_FORCE * force, to: force };
-        let fourier = arc.curve.balance().fourier();
-        let resolution = (fourier.harmonics(), fourier.samples());
-        let quiet = HarmonicSettings { stability: None, until_contact_lost: false, ..*settings };
-        let branch = follow(system, rising, &quiet, resolution, Limits::default());
-        let branch = branch.ok().map(Followed::analysed);
-        if let Some(branch) = &branch
-            && let (Termination::Reached, Some(last)) = (&branch.termination, branch.points.last())
-        {
-            let at = Conditions { angular_frequency: TAU * from, anti_damping: 0.0, force };
-            let guess = arc.curve.unknowns(&last.closures, &at, from);
-            if let Ok(point) = arc.solve_at(&guess, sense) {
-                return Ok(point);
+impl<'a> Path<'a, '_> {
+    /// The branch at a given resolution.
+    fn follow(
+        &self,
+        (harmonics, samples): (usize, usize),
+        limits: Limits,
+    ) -> Result<Followed<'a>, HarmonicError> {
+        let Self { system, continuation, settings, progress } = *self;
+        let problem = ContinuationProblem::new(system, continuation, harmonics, samples)?;
+        let (from, to) = continuation.range();
+        let (start, end) = (problem.parameter(from), problem.parameter(to));
+        let sense = (end - start).signum();
+        let mut arc = ArcLength::new(problem, settings.steps);
+        let floquet = match continuation {
+            Continuation::Mode { .. } => None,
+            _ => {
+                settings.stability.map(|floquet| FloquetSolver::new(system, floquet)).transpose()?
             }
-        }
-        end = branch.map(|branch| branch.termination);
+        };
+        let mut recorder = BranchRecorder::new(floquet, harmonics, samples);
+        let mut point = self.first(&mut arc, sense)?;
+        recorder.record(&mut arc, &point);
+        let most = settings.steps.points.min(limits.points);
+        let termination = loop {
+            progress();
+            let last = recorder.branch.points.last();
+            if last.is_some_and(|point| point.truncation > limits.truncation) {
+                break Termination::NotConverged;
+            }
+            if settings.until_contact_lost && last.is_some_and(PeriodicResponse::contact_lost) {
+                recorder.without_stability();
+                break Termination::ContactLost;
+            }
+            if let Some(beyond) = recorder.beyond_law(system) {
+                break beyond;
+            }
+            if recorder.branch.points.len() >= most {
+                break Termination::PointLimit;
+            }
+            if recorder.branch.points.len() == MANY_POINTS {
+                arc.control.turn *= 2.0;
+            }
+            let (next, step) = match arc.advance(&point) {
+                Ok(advanced) => advanced,
+                Err(failure) => break BranchRecorder::termination(system, failure),
+            };
+            let parameter = next.unknowns[next.unknowns.len() - 1];
+            if sense * (parameter - end) >= 0.0 {
+                let termination = recorder.finish(&mut arc, &point, &next, end);
+                break recorder.beyond_law(system).unwrap_or(termination);
+            }
+            if sense * (parameter - start) < 0.0 {
+                break Termination::Returned;
+            }
+            recorder.step(&mut arc, &point, &next, step);
+            point = next;
+        };
+        recorder.branch.termination = termination;
+        Ok(Followed { arc, recorder })
     }
-    if let Some(Termination::BeyondLaw { interface, closure }) = end {
-        return Err(HarmonicError::BeyondLaw {
-            interface,
-            closure_m: closure,
-            frequency_hz,
-            force_n,
-        });
-    }
-    Err(match failure {
-        CorrectorFailure::Overflow(overflow) => HarmonicError::BeyondLaw {
-            interface: system.contacts()[overflow.interface].name().to_owned(),
-            closure_m: overflow.closure,
-            frequency_hz,
-            force_n,
-        },
-        CorrectorFailure::Stalled(residual) => {
-            let residual = if residual.is_nan() { f64::INFINITY } else { residual };
-            HarmonicError::NoStart { frequency_hz, force_n, residual }
+
+    /// The response at the start: from the linear one, or else along rising forces.
+    fn first(
+        &self,
+        arc: &mut ArcLength<ContinuationProblem<'_>>,
+        sense: f64,
+    ) -> Result<CurvePoint, HarmonicError> {
+        let Self { system, continuation, settings, progress } = *self;
+        let (frequency_hz, force_n) = continuation.start();
+        let guess =
+            arc.curve.linear_start().ok_or(HarmonicError::NoLinearResponse { frequency_hz })?;
+        let failure = match arc.solve_at(&guess, sense) {
+            Ok(point) => return Ok(point),
+            Err(failure) => failure,
+        };
+        let mut end = None;
+        if let Continuation::Frequency { force, from, .. } = continuation {
+            let rising =
+                Continuation::Force { frequency: from, from: LOW_FORCE * force, to: force };
+            let fourier = arc.curve.balance().fourier();
+            let resolution = (fourier.harmonics(), fourier.samples());
+            let quiet =
+                HarmonicSettings { stability: None, until_contact_lost: false, ..*settings };
+            let path = Path { continuation: rising, settings: &quiet, ..*self };
+            let branch = path.follow(resolution, Limits::default());
+            let branch = branch.ok().map(|branch| branch.analysed(progress));
+            if let Some(branch) = &branch
+                && let (Termination::Reached, Some(last)) =
+                    (&branch.termination, branch.points.last())
+            {
+                let at = Conditions { angular_frequency: TAU * from, anti_damping: 0.0, force };
+                let guess = arc.curve.unknowns(&last.closures, &at, from);
+                if let Ok(point) = arc.solve_at(&guess, sense) {
+                    return Ok(point);
+                }
+            }
+            end = branch.map(|branch| branch.termination);
         }
-    })
+        if let Some(Termination::BeyondLaw { interface, closure }) = end {
+            return Err(HarmonicError::BeyondLaw {
+                interface,
+                closure_m: closure,
+                frequency_hz,
+                force_n,
+            });
+        }
+        Err(match failure {
+            CorrectorFailure::Overflow(overflow) => HarmonicError::BeyondLaw {
+                interface: system.contacts()[overflow.interface].name().to_owned(),
+                closure_m: overflow.closure,
+                frequency_hz,
+                force_n,
+            },
+            CorrectorFailure::Stalled(residual) => {
+                let residual = if residual.is_nan() { f64::INFINITY } else { residual };
+                HarmonicError::NoStart { frequency_hz, force_n, residual }
+            }
+        })
+    }
 }

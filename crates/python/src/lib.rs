@@ -19,6 +19,7 @@
 //! | `analyse` | analyses of hits and of free decays |
 //! | `identify` | identification of laws |
 //! | `signal` | single steps of an analysis |
+//! | `explore` | the live page of a scenario |
 //! | `figure` | the class `Figure` |
 //! | `background` | long calls: without the interpreter's lock, with progress, stopped by Ctrl-C |
 //! | `columns`, `arrow` | columns as NumPy arrays, and as a stream of the Arrow C data interface |
@@ -33,6 +34,7 @@ mod arrow;
 mod background;
 mod columns;
 mod exception;
+mod explore;
 mod figure;
 mod identify;
 mod json;
@@ -67,6 +69,8 @@ mod _asperity {
     use crate::arrow::arrow_stream;
     #[pymodule_export]
     use crate::exception::{ComputationError, ScenarioError};
+    #[pymodule_export]
+    use crate::explore::PyLivePage;
     #[pymodule_export]
     use crate::figure::{PyFigure, feature_name, palette, restore_figure};
     #[pymodule_export]

@@ -41,7 +41,7 @@ pub(crate) struct PyScenario {
 
 impl PyScenario {
     /// The checked scenario of `document`.
-    fn checked(py: Python<'_>, document: Document) -> PyResult<Self> {
+    pub(crate) fn checked(py: Python<'_>, document: Document) -> PyResult<Self> {
         let scenario = py
             .detach(|| document.any_scenario())
             .map_err(|invalid| exception::of_invalid(py, &invalid))?;

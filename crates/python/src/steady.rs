@@ -9,8 +9,8 @@ use asperity_simulation::provenance::Provenance;
 use asperity_simulation::record::modes_columns;
 use asperity_simulation::static_state::StaticSummary;
 use asperity_simulation::steady::{
-    BodyModel, Shaken, Steady, SteadyRequest, SteadySummary, SweepDirection, TimeSweepRequest,
-    backbone_table, steady_table, steady_time_table, steady_with_progress,
+    BodyModel, Shaken, Steady, SteadyProgress, SteadyRequest, SteadySummary, SweepDirection,
+    TimeSweepRequest, backbone_table, steady_table, steady_time_table, steady_with_progress,
 };
 use asperity_simulation::sweep::on_threads;
 use asperity_structure::PreloadedContact;
@@ -118,8 +118,9 @@ fn followed<S: Shaken>(
     progress: &background::Progress,
 ) -> Result<(Found, Steady), SimulationError> {
     let (finished, levels) = (AtomicUsize::new(0), request.amplitudes.len());
-    let found = steady_with_progress(assembly, request, &|| {
-        let done = finished.fetch_add(1, Ordering::Relaxed) + 1;
+    let found = steady_with_progress(assembly, request, &|ended| {
+        let ended = usize::from(ended == SteadyProgress::Level);
+        let done = finished.fetch_add(ended, Ordering::Relaxed) + ended;
         progress.report(done as f64 / levels as f64);
     })?;
     let names: Vec<&str> =

@@ -56,5 +56,5 @@ pub use laws::{ScenarioLaws, fit};
 pub use patches::simulate_patches;
 pub use run::{simulate, simulate_with_progress};
 pub use sensitivity::sensitivities;
-pub use steady::{steady, steady_with_progress};
+pub use steady::{SteadyProgress, steady, steady_with_progress};
 pub use sweep::{sweep, sweep_with_progress};

@@ -208,17 +208,26 @@ pub fn steady<S: Shaken>(
     assembly: &Assembly<S>,
     request: &SteadyRequest,
 ) -> Result<Steady, SimulationError> {
-    steady_with_progress(assembly, request, &|| ())
+    steady_with_progress(assembly, request, &|_| ())
 }
 
-/// As [`steady`]; `progress` is called after each level.
+/// A part of [`steady`] that has ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SteadyProgress {
+    /// One point of a branch, found or analysed.
+    Point,
+    /// The branch of one force amplitude.
+    Level,
+}
+
+/// As [`steady`]; `progress` is called after each point and each level.
 ///
 /// # Errors
 /// Those of [`steady`].
 pub fn steady_with_progress<S: Shaken>(
     assembly: &Assembly<S>,
     request: &SteadyRequest,
-    progress: &(dyn Fn() + Sync),
+    progress: &(dyn Fn(SteadyProgress) + Sync),
 ) -> Result<Steady, SimulationError> {
     let started = Instant::now();
     let _stage = tracing::info_span!("continue branches").entered();
@@ -228,14 +237,19 @@ pub fn steady_with_progress<S: Shaken>(
     let most = check_work(system.contacts().len(), request)?;
     let highest = request.from_hz.max(request.to_hz);
     let light = S::light_bodies(assembly, highest, request.bodies, evaluation)?.map(Arc::new);
-    let choice = BodyChoice { elastic: &system, light: light.as_ref(), model: request.bodies };
+    let choice = BodyChoice {
+        elastic: &system,
+        light: light.as_ref(),
+        model: request.bodies,
+        progress: &|| progress(SteadyProgress::Point),
+    };
     let settings = settings(request, most);
     let levels = request
         .amplitudes
         .par_iter()
         .map(|&force_n| {
             let level = level(assembly, &choice, request, &settings, force_n);
-            progress();
+            progress(SteadyProgress::Level);
             level
         })
         .collect::<Result<Vec<_>, SimulationError>>()?;

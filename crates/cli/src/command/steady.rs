@@ -8,8 +8,8 @@ use asperity_simulation::patches::{assemble_patches, steady_cells};
 use asperity_simulation::provenance::Provenance;
 use asperity_simulation::static_state::StaticSummary;
 use asperity_simulation::steady::{
-    Shaken, Steady, SteadyRequest, SteadySummary, TimeSweepRequest, backbone_table, steady_table,
-    steady_time_table, steady_with_progress,
+    Shaken, Steady, SteadyProgress, SteadyRequest, SteadySummary, TimeSweepRequest, backbone_table,
+    steady_table, steady_time_table, steady_with_progress,
 };
 use asperity_structure::PreloadedContact;
 use serde_json::{Value, json};
@@ -86,7 +86,8 @@ fn follow<S: Shaken>(
     let document = own.document;
     let folder = ResultFolder::claim("steady", document.path(), output)?;
     let bar = crate::progress::bar(request.amplitudes.len() as u64, "amplitudes", quiet);
-    let work = || steady_with_progress(assembly, request, &|| bar.inc(1));
+    let progress = |ended| bar.inc(u64::from(ended == SteadyProgress::Level));
+    let work = || steady_with_progress(assembly, request, &progress);
     let found = super::on_threads(threads, work);
     bar.finish_and_clear();
     let found = found??;

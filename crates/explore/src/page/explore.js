@@ -7,7 +7,7 @@ const element = (name, properties = {}, ...children) => {
   made.append(...children);
   return made;
 };
-const tab = crypto.randomUUID();
+const tab = crypto.getRandomValues(new Uint32Array(4)).join("-");
 
 // ---- State -------------------------------------------------------------------------------------
 // changes: pointers and values, in the order of the changes; settings: those that are not left to the server.
@@ -16,6 +16,8 @@ const past = [], future = [];
 let described = null;
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+// A page within a frame, as of a notebook, has another way to its answers, and leaves the history to the page around it.
+const inFrame = "asperityPost" in globalThis;
 const clone = value => JSON.parse(JSON.stringify(value));
 const isInside = (inner, outer) => inner === outer || inner.startsWith(`${outer}/`);
 
@@ -79,7 +81,7 @@ const go = (next, { passing = false, step = true } = {}) => {
       past.push(clone(before));
       future.length = 0;
     }
-    if (location.hash !== written(state)) history.pushState(null, "", written(state));
+    if (location.hash !== written(state)) history[inFrame ? "replaceState" : "pushState"](null, "", written(state));
   }
   tools();
   describe();
@@ -99,9 +101,9 @@ const back = (from, to) => {
 };
 
 // ---- Server ------------------------------------------------------------------------------------
-const post = (place, body, signal) => fetch(place, {
+const post = globalThis.asperityPost ?? ((place, body, signal) => fetch(place, {
   method: "POST", body: JSON.stringify(body), headers: { "content-type": "application/json" }, signal,
-});
+}));
 
 // The lines of an answer, as they come.
 async function* lines(response) {

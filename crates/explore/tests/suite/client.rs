@@ -30,6 +30,13 @@ pub(crate) fn block() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../simulation/examples/block.json")
 }
 
+/// The block with another value.
+pub(crate) fn changed(pointer: &str, value: &str) -> Document {
+    let mut document = Document::read(block()).unwrap();
+    document.set(pointer, value).unwrap();
+    document
+}
+
 impl Page {
     pub(crate) fn of(scenario: &Path, options: &ExploreOptions) -> Self {
         Self::of_document(Document::read(scenario).unwrap(), options)
@@ -44,6 +51,11 @@ impl Page {
         let flag = Arc::clone(&stop);
         let served = std::thread::spawn(move || server.run(&flag).unwrap());
         Self { host, path, stop, served: Some(served) }
+    }
+
+    /// Address of the page.
+    pub(crate) fn url(&self) -> String {
+        format!("http://{}{}", self.host, self.path)
     }
 
     pub(crate) fn new() -> Self {

@@ -1,5 +1,8 @@
 //! Numbers and pictures are those of the libraries for the same scenario.
 
+use std::path::Path;
+
+use asperity_explore::ExploreOptions;
 use asperity_plot as plot;
 use asperity_scenario::Document;
 use asperity_simulation::assemble::Assembly;
@@ -9,13 +12,7 @@ use asperity_simulation::static_state::StaticSummary;
 use asperity_simulation::steady::{BodyModel, SteadyRequest, SteadySummary, steady};
 use serde_json::{Value, json};
 
-use crate::client::{Page, block, line, read, request};
-
-fn changed(pointer: &str, value: &str) -> Document {
-    let mut document = Document::read(block()).unwrap();
-    document.set(pointer, value).unwrap();
-    document
-}
+use crate::client::{Page, block, changed, line, read, request};
 
 fn run_of(document: &Document) -> Run {
     simulate(document, &document.scenario().unwrap()).unwrap()
@@ -179,6 +176,31 @@ fn a_newer_input_stops_a_long_run() {
     // The first has begun once the server answers again.
     assert_eq!(page.get("").status, 200);
     let lines = page.compute("hit", &["frf"], &json!([]));
+    assert_eq!(lines.last().unwrap()["answer"], "done");
+    assert_eq!(read(first).lines().last().unwrap()["answer"], "superseded");
+}
+
+/// So does a branch of steady responses that folds for minutes.
+#[test]
+fn a_newer_input_stops_a_long_branch() {
+    let stack = r#"{"schema": "asperity/scenario/1",
+        "bodies": [{"name": "upper", "length_m": 0.1, "mass_kg": 2, "youngs_modulus_pa": 2e11, "density_kg_per_m3": 7850},
+                   {"name": "middle", "length_m": 0.05, "mass_kg": 1, "youngs_modulus_pa": 71e9, "density_kg_per_m3": 2700},
+                   {"name": "lower", "length_m": 0.1, "mass_kg": 3, "youngs_modulus_pa": 2e11, "density_kg_per_m3": 7850}],
+        "interfaces": [
+            {"name": "a", "area_m2": 4e-4, "law": {"kind": "constant", "stiffness_pa_per_m": 1e12, "unilateral": true}},
+            {"name": "b", "area_m2": 4e-4, "law": {"kind": "constant", "stiffness_pa_per_m": 8e12, "unilateral": true}},
+            {"name": "c", "area_m2": 4e-4, "law": {"kind": "constant", "stiffness_pa_per_m": 3e12, "unilateral": true}}],
+        "damping": {"kind": "mass_proportional", "ratio": 0.01}, "duration_s": 0.1}"#;
+    let document = Document::parse(stack, Path::new("stack.json")).unwrap();
+    let page = Page::of_document(document, &ExploreOptions::default());
+    let path = format!("{}compute", page.path);
+    let settings =
+        |amplitude: f64| json!({ "amplitudes": [amplitude], "from_hz": 200, "to_hz": 1800 });
+    let asked = request("tab", "steady", &["steady"], &json!([]), &settings(20.0)).to_string();
+    let first = page.open("POST", &path, &page.own_head(), asked.as_bytes());
+    assert_eq!(page.get("").status, 200);
+    let lines = page.compute_with("steady", &["steady"], &json!([]), &settings(1e-3));
     assert_eq!(lines.last().unwrap()["answer"], "done");
     assert_eq!(read(first).lines().last().unwrap()["answer"], "superseded");
 }

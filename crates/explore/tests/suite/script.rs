@@ -4,12 +4,12 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use asperity_explore::ExploreOptions;
+use asperity_explore::{ExploreOptions, Explorer};
 use asperity_scenario::Document;
 use asperity_simulation::run::simulate;
 use serde_json::Value;
 
-use crate::client::Page;
+use crate::client::{Page, changed};
 
 #[test]
 fn scripts_parse() {
@@ -64,12 +64,21 @@ fn browser(profile: &Path) -> Option<(Browser, String)> {
     Some((Browser(child), address?))
 }
 
+/// What a script of this folder saw in the browser; none without the program that runs it.
+fn driven(script: &str, arguments: &[&str]) -> Option<Value> {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite").join(script);
+    let mut node = Command::new("node");
+    node.args(["--experimental-websocket", "--no-warnings"]).arg(script).args(arguments);
+    let output = node.output().ok()?;
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Some(serde_json::from_slice(&output.stdout).unwrap())
+}
+
 /// A slider, undo, reload, a dragged point of a law, a fault and saved files, in a browser under the policy of
 /// the page; the numbers shown are those of the saved scenario.
 #[test]
 fn a_browser_moves_numbers() {
     let folder = tempfile::tempdir().unwrap();
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/drive.mjs");
     let rig = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../fixtures/scenarios/nouira2020-modified.json");
     let mut document = Document::read(rig).unwrap();
@@ -81,18 +90,9 @@ fn a_browser_moves_numbers() {
     let Some((_browser, address)) = browser(&folder.path().join("profile")) else {
         return skipped("Chromium");
     };
-    let url = format!("http://{}{}", page.host, page.path);
-    let driver = Command::new("node")
-        .args(["--experimental-websocket", "--no-warnings"])
-        .arg(script)
-        .args([&address, &url])
-        .output();
-    let Ok(driver) = driver else {
+    let Some(seen) = driven("drive.mjs", &[&address, &page.url()]) else {
         return skipped("node");
     };
-    let errors = String::from_utf8_lossy(&driver.stderr);
-    assert!(driver.status.success(), "{errors}");
-    let seen: Value = serde_json::from_slice(&driver.stdout).unwrap();
     let of = |step: &str, what: &str| seen[step][what].as_str().unwrap().to_owned();
     assert_eq!(of("start", "force"), "32");
     let force: f64 = of("slid", "force").parse().unwrap();
@@ -111,4 +111,31 @@ fn a_browser_moves_numbers() {
     for line in words.lines().filter(|line| !line.starts_with("run ")) {
         assert!(of("saved", "words").contains(line), "{line}: {seen}");
     }
+}
+
+/// The page in a frame of another page, which carries its requests: as in a notebook.
+#[test]
+fn a_frame_has_the_same_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = Page::new();
+    let framed = folder.path().join("framed.html");
+    std::fs::write(&framed, Explorer::framed_page()).unwrap();
+    let Some((_browser, address)) = browser(&folder.path().join("profile")) else {
+        return skipped("Chromium");
+    };
+    let Some(seen) = driven("frame.mjs", &[&address, &page.url(), framed.to_str().unwrap()]) else {
+        return skipped("node");
+    };
+    for (step, document) in [
+        ("start", changed("/excitation/peak_n", "5")),
+        ("changed", changed("/excitation/peak_n", "7.5")),
+    ] {
+        let run = simulate(&document, &document.scenario().unwrap()).unwrap();
+        let words = asperity_plot::run_words(&run.summary);
+        for line in words.lines().filter(|line| !line.starts_with("run ")) {
+            assert!(seen[step].as_str().unwrap().contains(line), "{line}: {seen}");
+        }
+    }
+    assert_ne!(seen["start"], seen["changed"]);
+    assert_eq!(seen["pictures"], 3);
 }

@@ -27,8 +27,8 @@ pub(super) fn paper_width(svg: &str) -> Option<f64> {
     (value > 0.0 && value.is_finite()).then_some(value)
 }
 
-/// The bundled fonts as style rules.
-pub(super) fn fonts() -> String {
+/// The bundled fonts as style rules of a page, with their data.
+pub fn embedded_fonts() -> String {
     text::BUNDLED_FONTS.iter().map(font_face).collect()
 }
 

@@ -1,6 +1,6 @@
 //! A report as one HTML page: style, font and figures inside, nothing fetched.
 
-use super::embed::{fonts, inline, paper_width};
+use super::embed::{embedded_fonts, inline, paper_width};
 use super::{ClaimOutcome, Report, ReportBlock, TableCell, is_numeric};
 use crate::{
     interactive::INTERACTIVE_SCRIPT,
@@ -32,7 +32,7 @@ impl Report {
             format!("<nav aria-label=\"Contents\"><h2>Contents</h2>\n<ol>\n{contents}</ol></nav>\n")
         };
         let (title, heading) = (escape(&self.title), element("h1", &self.title));
-        let (fonts, summary) = (fonts(), summary(self));
+        let (fonts, summary) = (embedded_fonts(), summary(self));
         let (hint, script) = if page.interactive {
             let script =
                 format!("(() => {{\n\"use strict\";\n{INTERACTIVE_SCRIPT}{FIGURES}}})();\n");

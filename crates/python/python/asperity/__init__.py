@@ -13,6 +13,7 @@ stated at the end of each name.
 from . import plot, signal
 from ._analyse import Analysis, DecayAnalysis, ResponseAnalysis, analyse, decay
 from ._asperity import ComputationError, Figure, Law, Scenario, ScenarioError, __version__
+from ._explore import Explorer, explore
 from ._identify import Identification, identify
 from ._law import (
     LawTables,
@@ -38,6 +39,7 @@ __all__ = [
     "AsperityWarning",
     "ComputationError",
     "DecayAnalysis",
+    "Explorer",
     "Figure",
     "Identification",
     "JudgementWarning",
@@ -57,6 +59,7 @@ __all__ = [
     "__version__",
     "analyse",
     "decay",
+    "explore",
     "fit_power",
     "identify",
     "law_from_pressure",

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use asperity_harmonic::{
     Branch, CondensedStack, ContactSystem, Continuation, HarmonicError, HarmonicSettings,
-    LawEvaluation, PeriodicResponse, PressureRange, Termination, trace,
+    LawEvaluation, PeriodicResponse, PressureRange, Termination, trace_with_progress,
 };
 use asperity_mesh::{Body, Port};
 use serde::Serialize;
@@ -167,6 +167,8 @@ pub(super) struct BodyChoice<'a> {
     pub(super) elastic: &'a ContactSystem,
     pub(super) light: Option<&'a Arc<LightBodies>>,
     pub(super) model: BodyModel,
+    /// Called after each point.
+    pub(super) progress: &'a (dyn Fn() + Sync),
 }
 
 impl BodyChoice<'_> {
@@ -176,13 +178,16 @@ impl BodyChoice<'_> {
         continuation: &Continuation,
         settings: &HarmonicSettings,
     ) -> (Result<Branch, HarmonicError>, Option<Condensation>) {
+        let trace = |system: &ContactSystem, settings: &HarmonicSettings| {
+            trace_with_progress(system, continuation, settings, self.progress)
+        };
         let Some(light) = self.light else {
-            return (trace(self.elastic, continuation, settings), None);
+            return (trace(self.elastic, settings), None);
         };
         let mut reason = CondensationReason::Requested;
         if self.model == BodyModel::Auto {
             let until_lost = HarmonicSettings { until_contact_lost: true, ..*settings };
-            let elastic = trace(self.elastic, continuation, &until_lost);
+            let elastic = trace(self.elastic, &until_lost);
             let lost = elastic
                 .as_ref()
                 .ok()
@@ -193,6 +198,6 @@ impl BodyChoice<'_> {
             reason = CondensationReason::ContactLost { from_hz: last.frequency_hz() };
         }
         let condensation = Condensation { light: Arc::clone(light), reason };
-        (trace(light.stack.system(), continuation, settings), Some(condensation))
+        (trace(light.stack.system(), settings), Some(condensation))
     }
 }
