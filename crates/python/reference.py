@@ -70,6 +70,8 @@ PARTS: tuple[tuple[str, ModuleType, tuple[str, ...]], ...] = (
             "modes",
             "Modes",
             "write_matrices",
+            "explore",
+            "Explorer",
         ),
     ),
     (
@@ -146,6 +148,7 @@ MADE = {
     "Analysis",
     "CircleFit",
     "DecayAnalysis",
+    "Explorer",
     "HalfPower",
     "Harmonics",
     "Hit",

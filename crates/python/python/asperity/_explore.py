@@ -96,8 +96,8 @@ def explore(
     """Show the live page of a scenario: move a number, and see laws, receptance, force levels and steady responses follow.
 
     In a notebook the page is a widget, which needs the package ``anywidget`` (``pip install asperity[explore]``); the kernel
-    computes, while no cell runs. Elsewhere the page is served to the browser of this machine until Ctrl-C, as by ``asperity
-    explore``.
+    computes, while no cell runs. Elsewhere the page is served to the browser of this machine until Ctrl-C, as by the command
+    ``asperity explore``.
 
     Parameters
     ----------
