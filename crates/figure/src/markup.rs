@@ -1,5 +1,7 @@
 //! Lengths, numbers and text as SVG and HTML write them.
 
+use std::fmt::Write as _;
+
 /// CSS pixels a millimetre.
 pub(crate) const PX_PER_MM: f64 = 96.0 / 25.4;
 /// CSS pixels a point.
@@ -24,7 +26,8 @@ pub(crate) fn push_rounded(text: &mut String, value: f64, places: usize) {
     let unit = 10_u64.pow(places as u32);
     let scaled = (value * unit as f64).round();
     if scaled.abs() >= 9e15 {
-        text.push_str(&format!("{}", scaled / unit as f64));
+        // Writing to a String cannot fail.
+        let _ = write!(text, "{}", scaled / unit as f64);
         return;
     }
     if scaled < 0.0 {
@@ -35,7 +38,7 @@ pub(crate) fn push_rounded(text: &mut String, value: f64, places: usize) {
     let mut fraction = whole % unit;
     if fraction > 0 {
         let mut digits = places;
-        while fraction % 10 == 0 {
+        while fraction.is_multiple_of(10) {
             fraction /= 10;
             digits -= 1;
         }

@@ -19,11 +19,13 @@
 //! |---|---|
 //! | `variational_equation` | the linear equation above |
 //! | `period` | the contacts' tangents over a period |
+//! | `modal_contacts` | many contacts in the coordinates of few modes |
 //! | `stick_slip`, `friction_monodromy` | phases of friction elements; the monodromy matrix through them |
 //! | `splitting` | the monodromy matrix by exact rotations and kicks, for modes of one damping rate |
 //! | `runge_kutta` | the same by the classical method, for the others |
 
 mod friction_monodromy;
+mod modal_contacts;
 mod period;
 mod runge_kutta;
 mod splitting;
@@ -106,7 +108,12 @@ impl<'a> FloquetSolver<'a> {
             None if friction => (Integration::Friction(Box::default()), &[][..]),
             None => (Integration::RungeKutta(RungeKutta::default()), &runge_kutta::PLACES[..]),
         };
-        let period = Period::new(places);
+        // Matrices of the modes are smaller than those of more contacts than half as many.
+        let many = 2 * system.contacts().len() > variation.modes.len();
+        let period = match &integration {
+            Integration::RungeKutta(_) if many => Period::modal(places),
+            _ => Period::new(places),
+        };
         Ok(Self { system, variation, integration, period })
     }
 

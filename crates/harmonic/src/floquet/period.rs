@@ -1,5 +1,6 @@
 //! The stiffness of the contacts over a period of a motion.
 
+use super::modal_contacts::ModalContacts;
 use super::variational_equation::VariationalEquation;
 use crate::ContactSystem;
 use crate::fourier::{Fourier, rate_of};
@@ -24,12 +25,24 @@ pub(super) struct Period {
     damping: Vec<f64>,
     /// `(1 + K_c R)^-1 K_c` by rows, place after place.
     stiffness: Vec<f64>,
+    /// Where there are many contacts both are those of the modes, `Phi^T .. Phi`.
+    modal: Option<ModalContacts>,
 }
 
 impl Period {
     /// A period to be sampled at these shares of each step.
     pub(super) fn new(places: &[f64]) -> Self {
         Self { places: places.to_vec(), ..Self::default() }
+    }
+
+    /// As [`new`](Self::new), with the stiffness in the coordinates of the modes.
+    pub(super) fn modal(places: &[f64]) -> Self {
+        Self { modal: Some(ModalContacts::default()), ..Self::new(places) }
+    }
+
+    /// True if stiffness and damping are those of the modes.
+    pub(super) fn is_modal(&self) -> bool {
+        self.modal.is_some()
     }
 
     pub(super) fn steps(&self) -> usize {
@@ -138,11 +151,33 @@ impl Period {
 
     /// Puts the residual flexibility in series with the tangents sampled.
     pub(super) fn condense(&mut self, variation: &mut VariationalEquation) {
-        let (n, count) = (self.interfaces, self.steps * self.places.len());
+        let count = self.steps * self.places.len();
+        let n = if self.is_modal() { variation.modes.len() } else { self.interfaces };
         self.stiffness.resize(count * n * n, 0.0);
         let dissipates = !self.dampers.is_empty() || variation.is_retarded();
         self.damping.resize(if dissipates { count * n * n } else { 0 }, 0.0);
-        let Self { tangents, dampers, stiffness, damping, .. } = self;
+        let Self { tangents, dampers, stiffness, damping, modal, .. } = self;
+        if let Some(modal) = modal {
+            modal.take(variation);
+            vectorised(
+                #[inline(always)]
+                || {
+                    for (place, out) in stiffness.chunks_exact_mut(n * n).enumerate() {
+                        modal.stiffness(variation, |i| tangents[i * count + place], out);
+                        if dissipates {
+                            let damper =
+                                |i: usize| dampers.get(i * count + place).copied().unwrap_or(0.0);
+                            modal.damping(
+                                variation,
+                                damper,
+                                &mut damping[place * n * n..][..n * n],
+                            );
+                        }
+                    }
+                },
+            );
+            return;
+        }
         vectorised(
             #[inline(always)]
             || {

@@ -4,6 +4,7 @@ use faer::Mat;
 
 use super::period::{Period, rounded};
 use super::variational_equation::{VariationalEquation, add};
+use crate::vector_instructions::vectorised;
 
 /// Radians of the fastest mode per step. The method's own damping of that mode is below 1e-3 over
 /// a period, and falls with the sixth power of the frequency.
@@ -76,7 +77,9 @@ impl RungeKutta {
         angular_frequency: f64,
     ) -> Mat<f64> {
         let steps = period.steps();
-        let (size, square) = (2 * variation.modes.len(), variation.interfaces().pow(2));
+        let modes = variation.modes.len();
+        let rows = if period.is_modal() { modes } else { variation.interfaces() };
+        let (size, square) = (2 * modes, rows * rows);
         let step = std::f64::consts::TAU / (angular_frequency * steps as f64);
         let mut states = identity(size);
         for number in 0..steps {
@@ -89,7 +92,13 @@ impl RungeKutta {
                     sliders: &[],
                 }
             });
-            self.advance(variation, (angular_frequency, step), at, &mut states);
+            if period.is_modal() {
+                self.step(step, &mut states, |_, half_steps, states, slopes| {
+                    modal_slopes(variation, angular_frequency, at[half_steps], states, slopes);
+                });
+            } else {
+                self.advance(variation, (angular_frequency, step), at, &mut states);
+            }
         }
         Mat::from_fn(size, size, |row, column| states[row * size + column])
     }
@@ -102,6 +111,18 @@ impl RungeKutta {
         (scale, step): (f64, f64),
         at: [Coefficients<'_>; 3],
         states: &mut [f64],
+    ) {
+        self.step(step, states, |own, half_steps, states, slopes| {
+            own.slopes(variation, scale, at[half_steps], states, slopes);
+        });
+    }
+
+    /// A step with time derivatives at so many half steps.
+    fn step(
+        &mut self,
+        step: f64,
+        states: &mut [f64],
+        mut derivatives: impl FnMut(&mut Self, usize, &[f64], &mut [f64]),
     ) {
         for all in [&mut self.slopes, &mut self.trial, &mut self.sum] {
             all.resize(states.len(), 0.0);
@@ -117,7 +138,7 @@ impl RungeKutta {
             } else {
                 trial.copy_from_slice(states);
             }
-            self.slopes(variation, scale, at[half_steps], &trial, &mut slopes);
+            derivatives(self, half_steps, &trial, &mut slopes);
             for (s, k) in self.sum.iter_mut().zip(&slopes) {
                 *s += weight / 6.0 * step * k;
             }
@@ -201,6 +222,49 @@ impl RungeKutta {
             }
         }
     }
+}
+
+/// Time derivatives of all states under coefficients in the coordinates of the modes.
+fn modal_slopes(
+    variation: &VariationalEquation,
+    scale: f64,
+    at: Coefficients<'_>,
+    states: &[f64],
+    slopes: &mut [f64],
+) {
+    let modes = variation.modes.len();
+    let size = states.len() / (2 * modes);
+    let (q, v) = states.split_at(modes * size);
+    let (q_slopes, v_slopes) = slopes.split_at_mut(modes * size);
+    vectorised(
+        #[inline(always)]
+        || {
+            q_slopes.iter_mut().zip(v).for_each(|(dq, v)| *dq = scale * v);
+            let rows = v_slopes.chunks_exact_mut(size).zip(&variation.modes).enumerate();
+            for (a, (slope, mode)) in rows {
+                slope.fill(0.0);
+                add(slope, -mode.damping_rate, &v[a * size..][..size]);
+                add(slope, -mode.angular_frequency.powi(2) / scale, &q[a * size..][..size]);
+                let stiffness = &at.stiffness[a * modes..][..modes];
+                for (k, q) in stiffness.iter().zip(q.chunks_exact(size)) {
+                    add(slope, -k / scale, q);
+                }
+                if !at.damping.is_empty() {
+                    let damping = &at.damping[a * modes..][..modes];
+                    for (c, v) in damping.iter().zip(v.chunks_exact(size)) {
+                        add(slope, -c, v);
+                    }
+                }
+            }
+            for damper in &variation.dampers {
+                for (a, slope) in v_slopes.chunks_exact_mut(size).enumerate() {
+                    for (share, v) in damper.shape.iter().zip(v.chunks_exact(size)) {
+                        add(slope, -damper.excess * damper.shape[a] * share, v);
+                    }
+                }
+            }
+        },
+    );
 }
 
 /// The states that the columns of a monodromy matrix start from, by rows.

@@ -83,7 +83,10 @@ impl Case {
     }
 
     fn runge_kutta(&mut self, steps: usize) -> Mat<f64> {
-        let mut period = Period::new(&PLACES);
+        self.by_runge_kutta(Period::new(&PLACES), steps)
+    }
+
+    fn by_runge_kutta(&mut self, mut period: Period, steps: usize) -> Mat<f64> {
         period.sample(&self.system, &self.closures, self.w, steps);
         period.condense(&mut self.variation);
         RungeKutta::default().monodromy(&self.variation, &period, self.w)
@@ -145,6 +148,30 @@ fn volumes_shrink_by_the_damping() {
             let ratio = case.splitting(steps).determinant() / exact;
             assert!((ratio - 1.0).abs() < 1e-10, "seed {seed}, {steps} steps: {ratio}");
         }
+    }
+}
+
+/// Contacts in the coordinates of the modes are the contacts of the pairs: with dampers, damped static modes, modes with a
+/// damping of their own, and contacts that are open for a part of the period.
+#[test]
+fn contacts_of_modes_are_those_of_pairs() {
+    for seed in 0..24 {
+        let mut case = Case::random(seed, 2 + (seed % 4) as usize);
+        if seed % 2 == 1 {
+            // A large motion opens contacts.
+            case.closures.iter_mut().for_each(|value| *value *= 8.0);
+        }
+        if seed % 3 == 0 {
+            let count = case.variation.modes.len();
+            for mode in &mut case.variation.modes[count / 2..] {
+                mode.damping_rate *= 30.0;
+            }
+            case.variation.leave_out_last();
+        }
+        let apart = case.runge_kutta(400);
+        let modal = case.by_runge_kutta(Period::modal(&PLACES), 400);
+        let off = (&apart - &modal).norm_max() / apart.norm_max();
+        assert!(off < 1e-10, "seed {seed}: {off:.1e}");
     }
 }
 

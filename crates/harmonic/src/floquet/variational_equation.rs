@@ -141,6 +141,14 @@ impl VariationalEquation {
         }
     }
 
+    /// Leaves out the last mode of a test.
+    #[cfg(test)]
+    pub(super) fn leave_out_last(&mut self) {
+        if let Some(mode) = self.modes.pop() {
+            self.leave_out(mode);
+        }
+    }
+
     /// True if static modes are damped: they add damping to all others.
     pub(super) fn is_retarded(&self) -> bool {
         !self.retardation.is_empty()
