@@ -3,8 +3,9 @@
 
 use asperity_law::{Draw, LawSpec};
 use asperity_plot::pointer_words;
-use asperity_scenario::Document;
+use asperity_scenario::{AnyScenario, Document};
 use asperity_simulation::laws::ScenarioLaws;
+use asperity_simulation::static_state::StaticSummary;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -92,9 +93,16 @@ const LOGARITHMIC: [&str; 6] =
 const LINEAR_HIGH: f64 = 3.0;
 const LOG_FACTOR: f64 = 30.0;
 
-/// The controls of a document; `base` is the document of the file, which the ranges of sliders go by.
-pub(crate) fn groups(schema: &Value, document: &Document, base: &Document) -> Vec<Group> {
-    let walker = Walker { schema, document, base: base.value(), contacts: contacts(document) };
+/// The controls of a document; `base` is the document of the file, which the ranges of sliders go by, and `at_rest` its
+/// state at rest where it is a structure of matrices.
+pub(crate) fn groups(
+    schema: &Value,
+    document: &Document,
+    base: &Document,
+    at_rest: Option<&StaticSummary>,
+) -> Vec<Group> {
+    let contacts = contacts(document, at_rest);
+    let walker = Walker { schema, document, base: base.value(), contacts };
     let value = document.value();
     let names = |list: &str| -> Vec<String> {
         let items = value.get(list).and_then(Value::as_array).into_iter().flatten();
@@ -159,10 +167,15 @@ fn uses(value: Option<&Value>, name: &str) -> bool {
 }
 
 /// Pressure and stiffness at rest of each named law.
-fn contacts(document: &Document) -> Vec<(String, f64, f64)> {
-    let Ok(scenario) = document.scenario() else { return Vec::new() };
-    let laws = ScenarioLaws::of_bars(&scenario).and_then(|laws| laws.built());
-    let laws = laws.unwrap_or_default().into_iter();
+fn contacts(document: &Document, at_rest: Option<&StaticSummary>) -> Vec<(String, f64, f64)> {
+    let laws = match (document.any_scenario(), at_rest) {
+        (Ok(AnyScenario::Bars(bars)), _) => ScenarioLaws::of_bars(&bars),
+        (Ok(AnyScenario::Structure(structure)), Some(at_rest)) => {
+            Ok(ScenarioLaws::of_structure(&structure, at_rest))
+        }
+        _ => return Vec::new(),
+    };
+    let laws = laws.and_then(|laws| laws.built()).unwrap_or_default().into_iter();
     let at_rest = laws.map(|one| {
         let stiffness = one.law.stiffness(one.static_pressure_pa);
         (one.name, one.static_pressure_pa, stiffness)

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use asperity_figure::Figure;
 use asperity_scenario::Document;
+use asperity_simulation::static_state::StaticSummary;
 use serde_json::{Value, json};
 
 use crate::commands::commands;
@@ -34,8 +35,8 @@ pub(crate) struct Session {
     measured: Option<Measured>,
     /// Changes that the scenario was opened with.
     given: Vec<String>,
-    /// Settings that the scenario of the file gives: they stay while its numbers move.
-    usual: OnceLock<Settings>,
+    /// Settings that the scenario of the file gives, and a structure of matrices at rest: they stay while numbers move.
+    usual: OnceLock<(Settings, Option<StaticSummary>)>,
     /// Results of pinned states, the newest last.
     kept: Mutex<VecDeque<(Key, Arc<Results>)>>,
     /// Changes of the newest valid state.
@@ -76,7 +77,7 @@ impl Session {
         Self { base, out, measured, given, usual: OnceLock::new(), kept, left }
     }
 
-    fn usual(&self) -> &Settings {
+    fn usual(&self) -> &(Settings, Option<StaticSummary>) {
         self.usual.get_or_init(|| {
             let state = self.base.state(&[]).ok();
             state.map(|state| Settings::usual(&state, self.measured.as_ref())).unwrap_or_default()
@@ -92,8 +93,9 @@ impl Session {
         }
         let changed = self.base.changed(&request.changes);
         let changed = changed.as_ref().unwrap_or(&self.base.document);
-        let groups = groups(self.base.schema(), changed, &self.base.document);
-        let settings = request.settings.filled(self.usual());
+        let groups =
+            groups(self.base.schema(), changed, &self.base.document, self.usual().1.as_ref());
+        let settings = request.settings.filled(&self.usual().0);
         let views = View::ALL.map(|view| {
             json!({ "view": view, "title": view.title(), "part": view.part(), "stem": view.stem() })
         });
@@ -165,7 +167,7 @@ impl Session {
             }
         };
         let beside = Beside { measured: self.measured.as_ref(), tables: false };
-        let settings = settings.filled(self.usual());
+        let settings = settings.filled(&self.usual().0);
         Self::caught(|| compute(part, &state, &settings, beside, &progress))
     }
 
@@ -215,7 +217,7 @@ impl Session {
         parts.sort_unstable();
         parts.dedup();
         let beside = Beside { measured: self.measured.as_ref(), tables: true };
-        let settings = request.settings.filled(self.usual());
+        let settings = request.settings.filled(&self.usual().0);
         let results = parts
             .into_iter()
             .map(|part| Self::caught(|| compute(part, state, &settings, beside, &|_| ())));

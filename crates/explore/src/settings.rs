@@ -4,6 +4,7 @@ use asperity_plot::MagnitudeAxis;
 use asperity_scenario::AnyScenario;
 use asperity_simulation::assemble::Assembly;
 use asperity_simulation::patches::assemble_patches;
+use asperity_simulation::static_state::StaticSummary;
 use asperity_simulation::steady::Shaken;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -69,16 +70,19 @@ impl From<Magnitude> for MagnitudeAxis {
 }
 
 impl Settings {
-    /// The settings that a scenario gives; none of them for one that cannot be assembled.
-    pub(crate) fn usual(state: &State, measured: Option<&Measured>) -> Self {
+    /// The settings that a scenario gives, and a structure of matrices at rest; none of them for a scenario that cannot be
+    /// assembled.
+    pub(crate) fn usual(
+        state: &State,
+        measured: Option<&Measured>,
+    ) -> (Self, Option<StaticSummary>) {
         let folder = state.document.folder();
         let found = match &state.scenario {
             AnyScenario::Bars(scenario) => {
-                Assembly::new(scenario, folder).map(|found| Self::of(&found, measured))
+                Assembly::new(scenario, folder).map(|found| (Self::of(&found, measured), None))
             }
-            AnyScenario::Structure(scenario) => {
-                assemble_patches(scenario, folder).map(|found| Self::of(&found, measured))
-            }
+            AnyScenario::Structure(scenario) => assemble_patches(scenario, folder)
+                .map(|found| (Self::of(&found, measured), Some(found.structure.at_rest()))),
         };
         found.unwrap_or_default()
     }

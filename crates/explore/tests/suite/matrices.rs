@@ -1,7 +1,7 @@
 //! Structures of matrices: what they show is the command's.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use asperity_explore::ExploreOptions;
 use asperity_scenario::Document;
@@ -23,12 +23,13 @@ const SCENARIO: &str = r#"{"schema": "asperity/scenario/1",
  "sensors": [{"name": "hammer", "at": {"body": "blocks", "node": 172, "direction": [0, 0, 1]}, "kind": "displacement"}],
  "duration_s": 0.005}"#;
 
-#[test]
-fn a_structure_of_matrices_is_shown() {
+/// The scenario beside its files, which are a condition of the repository's neighbour.
+#[allow(clippy::print_stderr, reason = "a test says that it was skipped")]
+fn copied() -> Option<(tempfile::TempDir, PathBuf)> {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fe/two_blocks");
     if !data.is_dir() {
         eprintln!("skipped: no data of two_blocks");
-        return;
+        return None;
     }
     let folder = tempfile::tempdir().unwrap();
     for file in fs::read_dir(&data).unwrap().flatten() {
@@ -36,6 +37,12 @@ fn a_structure_of_matrices_is_shown() {
     }
     let path = folder.path().join("scenario.json");
     fs::write(&path, SCENARIO).unwrap();
+    Some((folder, path))
+}
+
+#[test]
+fn a_structure_of_matrices_is_shown() {
+    let Some((_folder, path)) = copied() else { return };
     let page = Page::of(&path, &ExploreOptions::default());
     let changes = json!([["/laws/rough/coefficient", 2e8]]);
     let lines = page.compute("hit", &["law", "frf", "history"], &changes);
@@ -68,4 +75,32 @@ fn a_structure_of_matrices_is_shown() {
             .unwrap()
             .contains("neither in the scenario")
     );
+}
+
+/// A law of another kind has the stiffness of its patch at the mean pressure at rest.
+#[test]
+fn a_newly_chosen_law_is_as_stiff_at_rest() {
+    let Some((_folder, path)) = copied() else { return };
+    let page = Page::of(&path, &ExploreOptions::default());
+    let described = page.post("state", &json!({ "changes": [] }));
+    let described: Value = serde_json::from_str(&described.body).unwrap();
+    let groups = described["groups"].as_array().unwrap().iter();
+    let mut controls = groups.flat_map(|group| group["controls"].as_array().unwrap());
+    let kinds = controls.find(|one| one["pointer"] == "/laws/rough").unwrap();
+    let options = kinds["options"].as_array().unwrap().iter();
+    let law = |wanted: &str| {
+        let mut options = options.clone();
+        options.find(|one| one["label"] == wanted).unwrap_or_else(|| panic!("{wanted}: {kinds}"))["value"].clone()
+    };
+    let frequency = |law: &Value| -> f64 {
+        let lines = page.compute("hit", &[], &json!([["/laws/rough", law]]));
+        let words = line(&lines, "words")["text"].as_str().unwrap().to_owned();
+        let first = words.lines().next().unwrap_or_else(|| panic!("{law}: {lines:?}"));
+        first.split_whitespace().rev().nth(1).unwrap().parse().unwrap()
+    };
+    let own = frequency(&law("power"));
+    for kind in ["constant", "table"] {
+        let ratio = frequency(&law(kind)) / own;
+        assert!((0.8..1.25).contains(&ratio), "{kind}: {ratio}");
+    }
 }
