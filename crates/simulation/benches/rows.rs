@@ -18,7 +18,7 @@ const SCENARIO: &str =
     concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenarios/nouira2020-power.json");
 const ROUNDS: usize = 3;
 
-/// What varies, its place, its bounds, the force \[N\], and the number of rows.
+/// Varied quantity, its place, its bounds, the force \[N\], and the number of rows.
 const STUDIES: [(&str, &str, [f64; 2], &str, u32); 4] = [
     ("damping", "/damping/ratio", [0.02, 0.05], "9", 1024),
     ("length of the bar", "/bodies/0/length_m", [0.22, 0.24], "9", 1024),

@@ -60,7 +60,7 @@ struct ReferenceRun {
     outcome: Option<Arc<Chosen>>,
 }
 
-/// What a reference run is for.
+/// Runs that a reference run serves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Reference {
     /// All amplitudes of an octave, while contact holds.

@@ -128,7 +128,7 @@ pub(super) struct Task<'a> {
     pub(super) done: Option<Result<ConvergedRun, SimulationError>>,
 }
 
-/// How the run of a task that is done was integrated, and what it gave.
+/// Step, modes and observables of a run that is done.
 #[derive(Debug)]
 pub(super) struct Chosen {
     counts: Vec<usize>,
@@ -385,7 +385,7 @@ impl<'a> Task<'a> {
         ErrorEstimate::of_share(fine.observables.all(), largest, self.accuracy())
     }
 
-    /// How the run was integrated, for other runs; none if it does not serve them: it failed, did not reach the
+    /// Step and modes for other runs; none if the run does not serve them: it failed, did not reach the
     /// accuracy, or lost contact at equal steps.
     pub(super) fn chosen(self) -> Option<Chosen> {
         let done = self.done?.ok()?;
