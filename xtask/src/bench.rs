@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: the speed of the kernels, of a sweep and of steady responses, as tables.
+//! `cargo xtask bench`: the speed of the kernels, of rows of studies, of a sweep and of steady responses, as tables.
 
 use std::time::Instant;
 
@@ -26,6 +26,7 @@ pub(crate) fn run() -> Result<bool> {
         ("asperity-dynamics", "loss_of_contact"),
         ("asperity-dynamics", "finite_difference"),
         ("asperity-harmonic", "continuation"),
+        ("asperity-simulation", "rows"),
     ] {
         let passed = cargo(&["bench", "--package", package, "--bench", bench])
             .status()

@@ -135,7 +135,7 @@ impl ScenarioModel {
             let rig = &rigs[hit.rig];
             let load = hit.load(rig, hit.sensors.gains(point), &self.folder)?;
             let (prepared, duration) = (Arc::clone(&rig.case), hit.duration);
-            Ok(RunRequest { prepared, load, sensor: 0, duration })
+            Ok(RunRequest { prepared, load, sensor: 0, duration, near: None })
         };
         self.hits.iter().map(request).collect()
     }

@@ -107,6 +107,9 @@ const WATCHED: usize = 16;
 /// Number of first cells, next to loss of contact, that are sampled at all places.
 const EDGE: usize = 16;
 
+/// Factor by which twice the cells lower the error of cubics at most: their fourth power, and half as much again.
+const DOUBLED: f64 = 24.0;
+
 /// Ratio of the error estimate to the largest error found.
 const SAFETY: f64 = 2.0;
 
@@ -193,7 +196,12 @@ impl CompiledLaw {
             if last || bound > limit * most {
                 break;
             }
+            let mut smooth = SAFETY * table.smooth_error(law, &grid) / DOUBLED;
             wanted *= 2;
+            while smooth > limit && wanted < LAST_CELLS {
+                smooth /= DOUBLED;
+                wanted *= 2;
+            }
         }
         Err(LawError::Unresolved { cells: best.0, value: best.1, limit })
     }
@@ -354,6 +362,36 @@ impl CompiledLaw {
         }
     }
 
+    /// Largest distance of a cubic from its quintic.
+    fn smooth_error(&self, law: &dyn ContactLaw, grid: &ClosureGrid) -> f64 {
+        let distance = |(i, &[c0, c1, c2, c3]): (usize, &[f64; 4])| {
+            let width = self.width(i) * grid.width;
+            let ends = [c0, c0 + c1 + c2 + c3].map(|value| self.pressure_state + value);
+            let slopes = ends.map(|pressure| law.stiffness_slope(pressure) * width);
+            off_quintic([c1, c1 + 2.0 * c2 + 3.0 * c3], slopes)
+        };
+        let all = self.cells.iter().enumerate().skip(1).map(distance);
+        all.filter(|distance| distance.is_finite()).fold(0.0, f64::max)
+    }
+
+    /// Width of cell `i` in those of the grid.
+    fn width(&self, i: usize) -> f64 {
+        if i <= self.fine_cells as usize { 1.0 / DIVISION as f64 } else { 1.0 }
+    }
+
+    /// Error of a pressure increment `found` \[Pa\] at closure increment `x` \[m\], from the closure that the law has
+    /// there; none where the law is open, or the pressure off by so much that its stiffness differs.
+    fn off_from_state(&self, law: &dyn ContactLaw, x: f64, found: f64) -> Option<f64> {
+        let pressure = self.pressure_state + found;
+        if pressure <= law.domain().pressure_min {
+            return None;
+        }
+        let stiffness = law.stiffness(pressure);
+        let off = stiffness * (law.closure_increment(self.pressure_state, found) - x);
+        let changed = (off * law.stiffness_slope(pressure)).abs();
+        (changed <= 0.01 * stiffness).then_some(off)
+    }
+
     /// Error estimate of the table, or the first partial one that exceeds `stop`.
     fn estimate_error(&self, law: &dyn ContactLaw, grid: &ClosureGrid, stop: f64) -> f64 {
         let kinks = law.kinks();
@@ -371,7 +409,7 @@ impl CompiledLaw {
             let (from, to) = (self.pressure_state + c0, self.pressure_state + (c0 + c1 + c2 + c3));
             let kinked = kinks.iter().any(|kink| (from..=to).contains(kink));
             let fine = self.fine_cells as usize;
-            let width = if i <= fine { 1.0 / DIVISION as f64 } else { 1.0 };
+            let width = self.width(i);
             let mut include = |off: f64| {
                 let found = SAFETY * off + rounding;
                 // A NaN is not an error of zero.
@@ -402,16 +440,15 @@ impl CompiledLaw {
                 };
                 let x = grid.closure(place);
                 // From the node below, which is checked once.
-                let near = if t == FROM_STATE {
-                    None
+                let found = self.get(x);
+                let off = if t == FROM_STATE {
+                    self.off_from_state(law, x, found)
                 } else {
-                    law.pressure_step(self.pressure_state + c0, t * width * grid.width)
+                    let near = law.pressure_step(from, t * width * grid.width);
+                    near.map(|at| found - (c0 + at.value))
                 };
-                let exact = near.map_or_else(
-                    || law.pressure_increment(self.pressure_state, x).value,
-                    |at| c0 + at.value,
-                );
-                include((self.get(x) - exact).abs());
+                let inverted = || found - law.pressure_increment(self.pressure_state, x).value;
+                include(off.unwrap_or_else(inverted).abs());
             }
             if bound > stop {
                 break;
@@ -431,4 +468,46 @@ fn off_quintic([m0, m1]: [f64; 2], [b0, b1]: [f64; 2]) -> f64 {
 fn hermite((y0, m0): (f64, f64), (y1, m1): (f64, f64)) -> [f64; 4] {
     let rise = y1 - y0;
     [y0, m0, 3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Constant, ModifiedPower, Power, Tabulated};
+
+    /// Numbers of cells that are passed over would not have been enough: half the cells of a table miss the
+    /// tolerance.
+    #[test]
+    fn tables_have_no_more_cells_than_they_need() {
+        let knots = [(0.0, 0.02e12), (0.025e6, 0.12e12), (0.078e6, 0.40e12), (0.14e6, 0.97e12)];
+        let points = [(0.14e6, 1.15e12), (0.35e6, 1.75e12), (0.57e6, 1.63e12), (1e6, 2.46e12)];
+        let laws: [&dyn ContactLaw; 4] = [
+            &ModifiedPower::new(1.81e10, 0.35, 0.2e6, &knots).unwrap(),
+            &Power::new(1.81e10, 0.35, 0.0).unwrap(),
+            &Tabulated::new(&points).unwrap(),
+            &Constant::new(8.5e11).unwrap(),
+        ];
+        let (state, layout) = (137_340.0, CellLayout::Uniform);
+        for law in laws {
+            for exponent in [16, 18, 20, 22] {
+                let top = state + f64::from(exponent).exp2();
+                let scale = state.max((top - state) / 1000.0);
+                for tolerance in [1e-4, 1e-5, 1e-7] {
+                    let table = CompiledLaw::uniform(law, state, top, tolerance).unwrap();
+                    let doublings =
+                        ((table.cells.len() as f64) / FIRST_CELLS as f64).log2().round();
+                    if doublings == 0.0 {
+                        continue;
+                    }
+                    let fewer = FIRST_CELLS << (doublings as usize - 1);
+                    let range = TableRange::of(law, state, top, layout).unwrap();
+                    let grid = range.grid(fewer, LAST_CELLS + 2).unwrap();
+                    let coarse = CompiledLaw::on_grid(law, state, &range, &grid);
+                    let bound = coarse.estimate_error(law, &grid, f64::INFINITY);
+                    let limit = tolerance * scale;
+                    assert!(bound > limit, "{law:?} {exponent} {tolerance}: {bound} <= {limit}");
+                }
+            }
+        }
+    }
 }

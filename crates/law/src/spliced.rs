@@ -6,7 +6,7 @@
 //! cell are stored, so that a closure costs one search and one rule.
 
 use crate::contact_law::inverse::step;
-use crate::contact_law::quadrature::gauss;
+use crate::contact_law::quadrature::{gauss, gauss_short};
 use crate::contact_law::{ContactLaw, Pressure, refine_increment};
 use crate::domain::{Domain, no_less};
 use crate::power::Power;
@@ -19,6 +19,10 @@ const AGREEMENT: f64 = 1e-13;
 /// Largest number of halvings of a cell, and of cells of a piece, for extreme data.
 const HALVINGS: u32 = 40;
 const CELLS: usize = 1024;
+
+/// Widths over which the terms of K, each by itself, may become as large as K: the poles of 1/K are at least half
+/// as far, where the rule of four points is exact to rounding.
+const SHORTER: f64 = 50.0;
 
 /// Newton steps at most; the start is a cell's end and the bracket is kept.
 const ITERATIONS: usize = 64;
@@ -64,7 +68,17 @@ impl SplicedCell {
     // Both integrate over the distance from the anchor: the rounding of absolute pressures would be
     // noise in a steep cell.
     fn closure_over(&self, from: f64, increment: f64) -> f64 {
-        gauss(&|s| 1.0 / self.cubic(s), from - self.anchor, increment)
+        let start = from - self.anchor;
+        let [_, c1, c2, c3] = self.coefficients;
+        let h = SHORTER * increment.abs();
+        let slope = (c1 + start * (2.0 * c2 + start * 3.0 * c3)).abs();
+        let bend = (c2 + 3.0 * start * c3).abs();
+        let largest = (h * slope).max(h * h * bend).max(h * h * h * c3.abs());
+        let integrand = |s: f64| 1.0 / self.cubic(s);
+        if largest <= self.cubic(start).abs() {
+            return gauss_short(&integrand, start, increment);
+        }
+        gauss(&integrand, start, increment)
     }
 
     fn work_over(&self, from: f64, increment: f64) -> f64 {
@@ -77,6 +91,8 @@ impl SplicedCell {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Spliced {
     cells: Vec<SplicedCell>,
+    /// Pressures at which the cells start, side by side for the search.
+    starts: Vec<f64>,
     above: Power,
     end: SplicedCell,
 }
@@ -122,7 +138,8 @@ impl Spliced {
             closure,
             energy,
         };
-        Self { cells, above, end }
+        let starts = cells.iter().map(|cell| cell.start).collect();
+        Self { cells, starts, above, end }
     }
 
     /// The cell that holds pressure `p`, and the pressure and closure where it ends; `None` from
@@ -131,7 +148,7 @@ impl Spliced {
         if p >= self.end.start {
             return None;
         }
-        let next = self.cells.partition_point(|cell| cell.start <= p).max(1);
+        let next = self.starts.partition_point(|start| *start <= p).max(1);
         Some((&self.cells[next - 1], self.cells.get(next).unwrap_or(&self.end)))
     }
 
@@ -166,7 +183,7 @@ impl Spliced {
 
     /// Closure increment downwards, `dp` < 0, likewise.
     fn fall(&self, from: f64, dp: f64) -> f64 {
-        let below = self.cells.partition_point(|cell| cell.start < from).max(1) - 1;
+        let below = self.starts.partition_point(|start| *start < from).max(1) - 1;
         let (cell, within): (&SplicedCell, &dyn Fn(f64) -> f64) = if from > self.end.start {
             (&self.end, &|dp| self.above.closure_increment(from, dp))
         } else {

@@ -4,8 +4,13 @@
 //! Runs of one structure under one shape of force have like relative errors while contact holds. The
 //! errors are estimated once, for a reference run whose amplitude is the next power of two above the
 //! amplitude of the run, and runs take the step, the modes and the errors of their reference run; the results
-//! of a run do not depend on other runs. A run that loses contact is refined by itself. A run that does
-//! not converge is repeated as a perturbed run, under a force larger by 1e-12: if the two diverge, the
+//! of a run do not depend on other runs. A run that loses contact is refined by itself.
+//!
+//! A request may name a structure near its own ([`RunRequest::near`]), as rows of a study do. Then the
+//! reference run is of that structure, which other rows share. Runs that lose contact there take steps and
+//! errors of the near run, of almost their own amplitude, if their times without contact are close.
+//!
+//! A run that does not converge is repeated as a perturbed run, under a force larger by 1e-12: if the two diverge, the
 //! response depends on rounding.
 //!
 //! | module | holds |
@@ -25,11 +30,10 @@ use asperity_structure::LoadCase;
 use crate::accuracy::ErrorEstimate;
 use crate::error::SimulationError;
 use crate::observable_extractor::ObservableExtractor;
-use crate::observables::Observables;
 use crate::quantity::Quantity;
 pub use converged_run::{ConvergedRun, RunRequest};
 pub(crate) use task::contact_is_lost;
-use task::{Level, Response, Task};
+use task::{Chosen, Response, Task};
 
 /// Relative change of the force of a perturbed run.
 const PERTURBATION: f64 = 1e-12;
@@ -51,12 +55,22 @@ pub struct ErrorControl {
 #[derive(Debug, Clone)]
 struct ReferenceRun {
     request: RunRequest,
-    /// None if the run failed, lost contact, or did not reach the accuracy.
-    outcome: Option<Arc<(Level, Observables)>>,
+    kind: Reference,
+    /// None if the run failed, did not reach the accuracy, or, of an octave, lost contact.
+    outcome: Option<Arc<Chosen>>,
+}
+
+/// Runs that a reference run serves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Reference {
+    /// All amplitudes of an octave, while contact holds.
+    Octave,
+    /// Requests with this near run.
+    Near,
 }
 
 /// Reference runs kept at a time.
-const MOST_REFERENCES: usize = 64;
+const MOST_REFERENCES: usize = 256;
 
 impl ErrorControl {
     /// Cases integrated by `batch`.
@@ -90,16 +104,8 @@ impl ErrorControl {
                 Err(error) => Some(Err(error)),
             });
         }
-        let references = self.reference_runs(&tasks);
-        for (task, reference) in tasks.iter_mut().zip(&references) {
-            task.level = reference.as_ref().map_or(Level::default(), |reference| reference.0);
-        }
-        let referred: Vec<usize> = (0..tasks.len()).filter(|&n| references[n].is_some()).collect();
-        self.integrate_fine(&mut tasks, &referred);
-        for (task, reference) in tasks.iter_mut().zip(&references) {
-            if let Some(reference) = reference {
-                task.accept_as(reference);
-            }
+        for kind in [Reference::Octave, Reference::Near] {
+            self.follow_references(&mut tasks, kind);
         }
         let alone = (0..tasks.len()).filter(|&n| tasks[n].done.is_none()).collect();
         self.refine(&mut tasks, alone);
@@ -125,15 +131,40 @@ impl ErrorControl {
         Ok((task.case_at(task.level)?, task.counts_at(task.level)))
     }
 
-    /// The outcome of the reference run of each task, if there is one.
-    fn reference_runs(&self, tasks: &[Task<'_>]) -> Vec<Option<Arc<(Level, Observables)>>> {
-        let wanted: Vec<Option<RunRequest>> =
-            tasks.iter().map(|task| task.request.reference()).collect();
+    /// Integrates the tasks that are not done and have a reference run of this kind as that run was, and
+    /// accepts those that are like it.
+    fn follow_references(&self, tasks: &mut [Task<'_>], kind: Reference) {
+        let references = self.reference_runs(tasks, kind);
+        for (task, reference) in tasks.iter_mut().zip(&references) {
+            if let Some(reference) = reference {
+                task.follow(reference);
+            }
+        }
+        let referred: Vec<usize> = (0..tasks.len()).filter(|&n| references[n].is_some()).collect();
+        self.integrate_fine(tasks, &referred);
+        for (task, reference) in tasks.iter_mut().zip(&references) {
+            if let Some(reference) = reference {
+                task.accept_as(reference);
+            }
+        }
+    }
+
+    /// The outcome of the reference run of each task that is not done, if there is one.
+    fn reference_runs(&self, tasks: &[Task<'_>], kind: Reference) -> Vec<Option<Arc<Chosen>>> {
+        let of_task = |task: &Task<'_>| match kind {
+            _ if task.done.is_some() => None,
+            Reference::Octave => task.request.reference(),
+            Reference::Near => task.request.near_run(),
+        };
+        let wanted: Vec<Option<RunRequest>> = tasks.iter().map(of_task).collect();
         let lock = || self.references.lock().unwrap_or_else(PoisonError::into_inner);
         let mut known = lock().clone();
         let mut missing: Vec<RunRequest> = Vec::new();
+        let is_of = |reference: &ReferenceRun, request: &RunRequest| {
+            reference.kind == kind && reference.request.is(request)
+        };
         for request in wanted.iter().flatten() {
-            let is_known = known.iter().any(|reference| reference.request.is(request))
+            let is_known = known.iter().any(|reference| is_of(reference, request))
                 || missing.iter().any(|other| other.is(request));
             if !is_known {
                 missing.push(request.clone());
@@ -141,7 +172,11 @@ impl ErrorControl {
         }
         let (mut runs, mut of): (Vec<Task<'_>>, Vec<&RunRequest>) = (Vec::new(), Vec::new());
         for request in &missing {
-            if let Ok(task) = Task::reference(request) {
+            let task = match kind {
+                Reference::Octave => Task::reference(request),
+                Reference::Near => Task::new(request),
+            };
+            if let Ok(task) = task {
                 runs.push(task);
                 of.push(request);
             }
@@ -149,17 +184,12 @@ impl ErrorControl {
         let all = (0..runs.len()).collect();
         self.refine(&mut runs, all);
         for (task, request) in runs.into_iter().zip(of) {
-            let outcome = match task.done {
-                Some(Ok(done)) if !contact_is_lost(&done.record.contacts) && done.is_reached() => {
-                    Some(Arc::new((task.level, done.observables)))
-                }
-                _ => None,
-            };
-            known.push(ReferenceRun { request: request.clone(), outcome });
+            let outcome = task.chosen().map(Arc::new);
+            known.push(ReferenceRun { request: request.clone(), kind, outcome });
         }
         let found = wanted.iter().map(|request| {
             let request = request.as_ref()?;
-            known.iter().find(|reference| reference.request.is(request))?.outcome.clone()
+            known.iter().find(|reference| is_of(reference, request))?.outcome.clone()
         });
         let found = found.collect();
         if !missing.is_empty() {

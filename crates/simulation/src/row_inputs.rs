@@ -83,6 +83,21 @@ impl RowInputs {
         deserialised(part.get_mut("excitation").map(Value::take).unwrap_or_default())
     }
 
+    /// The values of a row with those of the structure rounded, but for whole numbers and texts; the structure
+    /// is that of a row near this one, and of other rows.
+    pub(crate) fn rounded<T: AsRef<str>>(&self, row: &[T]) -> Vec<String> {
+        let is_rounded = |place: &String| ROUNDED.iter().any(|start| place.starts_with(start));
+        let near = |(places, text): (&Places, &T)| {
+            let text = text.as_ref();
+            let number = serde_json::from_str::<serde_json::Number>(text).ok();
+            match number.filter(serde_json::Number::is_f64).and_then(|number| number.as_f64()) {
+                Some(number) if places.iter().all(is_rounded) => rounded(number).to_string(),
+                _ => text.to_owned(),
+            }
+        };
+        self.places.iter().zip(row).map(near).collect()
+    }
+
     /// The values of a row that change more than the excitation, but for its kind and for what else `changes`
     /// the structure.
     pub(crate) fn of_structure<T: AsRef<str>>(
@@ -95,6 +110,23 @@ impl RowInputs {
         let others = inputs.filter(|(places, _)| !places.iter().all(of_excitation));
         others.map(|(_, text)| text.as_ref().to_owned()).collect()
     }
+}
+
+/// Places whose numbers are rounded for the structure near that of a row.
+const ROUNDED: [&str; 6] =
+    ["/bodies/", "/interfaces/", "/laws/", "/damping/", "/support/", "/gravity_m_per_s2"];
+
+/// Binary digits that a rounded number keeps behind its first.
+const DIGITS: u32 = 4;
+
+/// A number rounded to five binary digits: by 3 % at most.
+pub(crate) fn rounded(number: f64) -> f64 {
+    let dropped = f64::MANTISSA_DIGITS - 1 - DIGITS;
+    let half = 1_u64 << (dropped - 1);
+    // A carry out of the mantissa raises the exponent, as it should.
+    let bits = number.to_bits().saturating_add(half) >> dropped << dropped;
+    let near = f64::from_bits(bits);
+    if near.is_finite() { near } else { number }
 }
 
 /// True for a place in the scenario's excitation that does not change its kind.
@@ -128,4 +160,31 @@ pub(crate) fn magnitudes(
     let found = receptance().unwrap_or_default();
     let known = found.iter().map(|value| value.norm());
     known.chain(std::iter::repeat(f64::NAN)).take(frequencies.len()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounded_numbers_are_within_three_percent_and_shared() {
+        for number in [0.0, 1.0, 0.035, -2.7e11, 1.15e-4, f64::MAX] {
+            let near = rounded(number);
+            assert!((near - number).abs() <= number.abs() / 32.0, "{near} for {number}");
+            assert_eq!(rounded(near), near);
+        }
+        assert_eq!(rounded(0.0310), rounded(0.0315));
+        assert_eq!(rounded(0.999), 1.0);
+    }
+
+    /// Numbers of the structure are rounded; whole numbers, laws by name, and settings stay.
+    #[test]
+    fn values_of_the_structure_are_rounded() {
+        let places = ["/damping/ratio", "/interfaces/0/law", "/method/step_s", "/bodies/0/mass_kg"];
+        let places = places.map(|place| vec![place.to_owned()]).to_vec();
+        let document = Document::read("examples/block.json").unwrap();
+        let inputs = RowInputs::new(document, places, false);
+        let row = ["0.0312", "\"pl\"", "1.3e-5", "2"];
+        assert_eq!(inputs.rounded(&row), ["0.03125", "\"pl\"", "1.3e-5", "2"]);
+    }
 }

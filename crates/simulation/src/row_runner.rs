@@ -3,6 +3,9 @@
 //! Rows that differ in the force alone share a prepared scenario, or an assembled structure of matrices. Modal rows are integrated many at a
 //! time in the lanes of vectors and refined by error control; rows by finite differences one by one.
 //! The result of a row depends on its own values alone, not on other rows, threads, or lanes.
+//!
+//! Rows of a study take step, modes and errors from a structure near their own, whose numbers are those of the
+//! row rounded to five binary digits: rows close to each other share it.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -11,6 +14,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::Batch;
 use asperity_scenario::{Document, InvalidDocument, Scenario};
+use asperity_structure::LoadCase;
 use rayon::prelude::*;
 
 use crate::assemble::{Assembly, load_case};
@@ -20,7 +24,7 @@ use crate::finite_differences::integrate;
 use crate::observables::Observables;
 use crate::patches::PatchRows;
 use crate::prepared_scenario::PreparedScenario;
-use crate::row_inputs::{Places, RowInputs, magnitudes, receptance_of};
+use crate::row_inputs::{Places, RowInputs, magnitudes, receptance_of, rounded};
 
 /// Rows of one task, over the lanes of a batch: enough to fill the lanes again when some rows need
 /// a second attempt.
@@ -28,6 +32,13 @@ const ROWS_A_LANE: usize = 4;
 
 /// Prepared scenarios that are kept for other rows.
 const MOST_PREPARED: usize = 64;
+const MOST_NEAR: usize = 1024;
+
+/// Difference of natural frequencies, as a share, up to which a structure is near another.
+const NEAR: f64 = 0.1;
+
+/// Prepared scenarios by the values that change more than the force; none for values that are not valid.
+type Known = HashMap<Vec<String>, Option<Arc<PreparedScenario>>>;
 
 /// The observables of a row, and their names, which rows share.
 pub(crate) type Row = (Arc<[String]>, Observables);
@@ -40,7 +51,9 @@ pub(crate) struct RowRunner {
     frequencies: Vec<f64>,
     control: ErrorControl,
     /// Prepared scenarios by the values that change more than the force.
-    prepared: Mutex<HashMap<Vec<String>, Arc<PreparedScenario>>>,
+    prepared: Mutex<Known>,
+    /// The same for the structures near those of rows; none where each row is refined by itself.
+    near: Option<Mutex<Known>>,
     /// The assembled structures of matrices.
     patches: PatchRows,
 }
@@ -58,7 +71,13 @@ impl RowRunner {
         let control = ErrorControl::new(Batch::default());
         let inputs = RowInputs::new(document, places, checks_rows);
         let (frequencies, prepared) = (Vec::new(), Mutex::default());
-        Self { inputs, frequencies, control, prepared, patches: PatchRows::default() }
+        let patches = PatchRows::default();
+        Self { inputs, frequencies, control, prepared, near: None, patches }
+    }
+
+    /// The same, whose rows take step, modes and errors from structures near their own.
+    pub(crate) fn with_near_structures(self) -> Self {
+        Self { near: Some(Mutex::default()), ..self }
     }
 
     /// Names of the observables of the scenario as it is.
@@ -156,7 +175,12 @@ impl RowRunner {
         if prepared.modal().is_some() {
             let bodies = prepared.assembly.structure.stack().bodies();
             let load = load_case(&self.inputs.excitation(row)?, bodies, folder)?;
-            return Ok(Started::Modal(RunRequest::at_sensors(&prepared, &load, None)));
+            let mut requests = RunRequest::at_sensors(&prepared, &load, None);
+            let near = self.near(row, &prepared, &load);
+            for request in &mut requests {
+                request.near.clone_from(&near);
+            }
+            return Ok(Started::Modal(requests));
         }
         let assembly = Assembly::new(&scenario()?, folder)?;
         let (transient, mut found) = integrate(&assembly, &prepared.at_rest, &|_| ())?;
@@ -174,15 +198,55 @@ impl RowRunner {
     ) -> Result<Arc<PreparedScenario>, SimulationError> {
         let key = self.inputs.of_structure(row, |_| false);
         let known = || self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(prepared) = known().get(&key) {
+        if let Some(Some(prepared)) = known().get(&key) {
             return Ok(Arc::clone(prepared));
         }
         let prepared = Arc::new(PreparedScenario::new(&scenario()?, self.inputs.folder())?);
-        let mut all = known();
-        if all.len() >= MOST_PREPARED {
-            all.clear();
-        }
-        // Another task may have been faster; both results are the same.
-        Ok(Arc::clone(all.entry(key).or_insert(prepared)))
+        Ok(kept(&mut known(), MOST_PREPARED, key, Some(prepared.clone())).unwrap_or(prepared))
     }
+
+    /// The structure near that of a row, and the load with its amplitude rounded; none for a load that lasts,
+    /// whose response depends on the structure more strongly, for friction, and where no structure is near.
+    fn near<T: AsRef<str>>(
+        &self,
+        row: &[T],
+        prepared: &Arc<PreparedScenario>,
+        load: &LoadCase,
+    ) -> Option<(Arc<PreparedScenario>, LoadCase)> {
+        let all = self.near.as_ref()?;
+        if load.ends_at() == f64::INFINITY || prepared.assembly.structure.friction().is_some() {
+            return None;
+        }
+        let load = load.with_amplitude(rounded(load.amplitude()));
+        let values = self.inputs.rounded(row);
+        let key = self.inputs.of_structure(&values, |_| false);
+        if key == self.inputs.of_structure(row, |_| false) {
+            return Some((Arc::clone(prepared), load));
+        }
+        let known = || all.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = known().get(&key).cloned();
+        let near = found.unwrap_or_else(|| {
+            let scenario = self.inputs.scenario::<String, Scenario>(&values).ok();
+            let found = scenario.and_then(|one| {
+                PreparedScenario::new(&one, self.inputs.folder()).ok().map(Arc::new)
+            });
+            kept(&mut known(), MOST_NEAR, key, found)
+        })?;
+        let [own, other] = [prepared, &near].map(|one| one.at_rest.natural_frequency_hz);
+        let is_near = (own? - other?).abs() <= NEAR * own?;
+        is_near.then_some((near, load))
+    }
+}
+
+/// The scenario that is known for a key: `prepared`, unless another task was faster; both are the same.
+fn kept(
+    known: &mut Known,
+    most: usize,
+    key: Vec<String>,
+    prepared: Option<Arc<PreparedScenario>>,
+) -> Option<Arc<PreparedScenario>> {
+    if known.len() >= most {
+        known.clear();
+    }
+    known.entry(key).or_insert(prepared).clone()
 }

@@ -14,7 +14,8 @@ use crate::row_runner::RowRunner;
 
 /// Runs one scenario with rows of values, each checked as a whole.
 ///
-/// A row's result depends on its own values alone, not on other rows, threads, or vector lanes.
+/// A row's result depends on its own values alone, not on other rows, threads, or vector lanes. Its errors are
+/// estimated for a structure near its own, which rows close to it share.
 ///
 /// ```
 /// # use asperity_scenario::Document;
@@ -46,7 +47,7 @@ impl RowSimulator {
     /// # Errors
     /// [`SimulationError`] when the scenario itself cannot be set up.
     pub fn new(document: Document, places: Vec<Places>) -> Result<Self, SimulationError> {
-        let runner = RowRunner::new(document, places, true);
+        let runner = RowRunner::new(document, places, true).with_near_structures();
         let names = runner.names()?;
         Ok(Self { runner, columns: names.to_vec(), names })
     }

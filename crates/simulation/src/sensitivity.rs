@@ -132,6 +132,7 @@ pub fn sensitivities(
         load: prepared.assembly.load.clone(),
         sensor: 0,
         duration: None,
+        near: None,
     })?;
     let (base, counts) = (chosen.case, chosen.counts);
     let mut all = Vec::with_capacity(pointers.len());

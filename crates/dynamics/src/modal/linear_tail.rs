@@ -8,21 +8,26 @@
 //! ```
 //!
 //! Each decimated sample after step s is a row times the state at step s,
-//! `sum over n of taps_(j factor - s - 1 - n) c A^n`. All cases of a model share these rows. `ring_down`
-//! chooses the step s, and checks that the laws are straight after it.
+//! `sum over n of taps_(j factor - s - 1 - n) c A^n`. Samples whose steps all lie after step s repeat: a block of
+//! rows gives the first of them, and the same block those behind it, from the state moved on. All cases of a
+//! model share these rows. `ring_down` chooses the step s, and checks that the laws are straight after it.
 
 use std::sync::Arc;
 
 use asperity_law::CompiledLaw;
+use faer::{Col, Mat, MatRef};
 
 use super::decimation::Decimation;
 use super::linear_system::Factors;
 use super::oscillator::{ForceInterpolation, NODES, Recurrence};
 use super::step_model::{ModeStep, StepModel};
 
-/// Most modes, since the matrix is multiplied once a sample, and most numbers in the rows.
+/// Most modes, since their matrix is multiplied with itself, and most numbers in the rows.
 const MOST_MODES: usize = 12;
 const MOST_NUMBERS: usize = 1 << 20;
+
+/// Samples that one block of rows gives.
+const BLOCK: usize = 64;
 
 /// The rest of the responses of one model at one step.
 #[derive(Debug)]
@@ -30,8 +35,15 @@ pub(super) struct LinearTail {
     /// Number of steps before it.
     pub(super) from: usize,
     first_sample: usize,
-    /// Shares of each variable of the state in the samples from the first on.
-    columns: Vec<Vec<f64>>,
+    /// Rows of the samples whose filter reaches back beyond the first step.
+    head: Mat<f64>,
+    /// Rows of the first samples behind them, and the matrix that moves the state on by as many.
+    block: Mat<f64>,
+    advance: Mat<f64>,
+    /// Number of these samples.
+    repeated: usize,
+    /// Rows of the samples whose filter reaches beyond the last step.
+    end: Mat<f64>,
 }
 
 impl LinearTail {
@@ -59,56 +71,98 @@ impl LinearTail {
             return None;
         }
         let (matrix, output) = linear.matrix();
+        let mut powers = Powers(vec![matrix]);
         // An oscillation that the step makes grow must show in the energy of all steps.
-        if !matrix.power(steps - from).entries.iter().all(|entry| entry.abs() < 1.0) {
+        let beyond = (steps - from).next_power_of_two();
+        if !powers.power(beyond).col_iter().all(|column| column.iter().all(|x| x.abs() < 1.0)) {
             return None;
         }
-        let mut columns = vec![Vec::with_capacity(count - first_sample); linear.size];
-        let mut push = |row: &[f64]| {
-            for (column, entry) in columns.iter_mut().zip(row) {
-                column.push(*entry);
-            }
+        // Samples `from_sample` on, from rows of the outputs, of which the first belongs to step `first`.
+        let samples = |rows: &Mat<f64>, first: usize, from_sample: usize, count: usize| {
+            let tap = |j: usize, n: usize| {
+                let place = ((from_sample + j) * factor).checked_sub(first + n);
+                place.and_then(|l| decimation.taps.get(l)).copied().unwrap_or(0.0)
+            };
+            Mat::from_fn(count, rows.nrows(), tap) * rows
         };
-        // Sample j from rows of the outputs, of which the first belongs to step `first`.
-        let sample = |j: usize, rows: &[Vec<f64>], first: usize| {
-            let mut sum = vec![0.0; linear.size];
-            for (n, row) in rows.iter().enumerate() {
-                let tap = (j * factor).checked_sub(first + n).and_then(|l| decimation.taps.get(l));
-                for (sum, entry) in sum.iter_mut().zip(row) {
-                    *sum += tap.copied().unwrap_or(0.0) * entry;
-                }
-            }
-            sum
-        };
-        let rows = matrix.rows(output.clone(), whole * factor - from);
-        let mut row = Vec::new();
-        for j in first_sample..=whole {
-            row = sample(j, &rows, from + 1);
-            push(&row);
-        }
-        let stride = matrix.power(factor);
-        for _ in whole + 1..=last_whole {
-            row = stride.left_product(&row);
-            push(&row);
-        }
+        let rows = powers.rows(output.as_ref(), 1, whole * factor - from);
+        let head = samples(&rows, from + 1, first_sample, whole + 1 - first_sample);
+        let repeated = last_whole - whole;
+        let row = head.subrows(whole - first_sample, 1) * powers.power(factor);
+        let block = powers.rows(row.as_ref(), factor, BLOCK.min(repeated));
+        let advance = powers.power(factor * BLOCK);
         let first = ((last_whole + 1) * factor + 1).saturating_sub(reach).max(from + 1);
-        let row = matrix.power_left_product(output, first - from - 1);
-        let rows = matrix.rows(row, (last + 1).saturating_sub(first));
-        for j in last_whole + 1..count {
-            push(&sample(j, &rows, first));
-        }
-        Some(Self { from, first_sample, columns })
+        let row = output * powers.power(first - from - 1);
+        let rows = powers.rows(row.as_ref(), 1, (last + 1).saturating_sub(first));
+        let end = samples(&rows, first, last_whole + 1, count.saturating_sub(last_whole + 1));
+        Some(Self { from, first_sample, head, block, advance, repeated, end })
     }
 
     /// Adds the rest to the samples of a response, from its state.
-    #[inline(always)]
     pub(super) fn add_to(&self, samples: &mut [f64], state: &[f64]) {
         let samples = samples.get_mut(self.first_sample..).unwrap_or_default();
-        for (column, variable) in self.columns.iter().zip(state) {
-            for (sample, share) in samples.iter_mut().zip(column) {
-                *sample += variable * share;
+        let (head, rest) = samples.split_at_mut(self.head.nrows().min(samples.len()));
+        let (repeated, end) = rest.split_at_mut(self.repeated.min(rest.len()));
+        add_product(head, &self.head, state);
+        add_product(end, &self.end, state);
+        let mut state = Col::from_fn(state.len(), |k| state[k]);
+        for (n, block) in repeated.chunks_mut(BLOCK).enumerate() {
+            if n > 0 {
+                state = &self.advance * &state;
             }
+            let state: Vec<f64> = state.iter().copied().collect();
+            add_product(block, &self.block, &state);
         }
+    }
+}
+
+/// Adds the products of the first rows with a state to samples.
+fn add_product(samples: &mut [f64], rows: &Mat<f64>, state: &[f64]) {
+    for (column, variable) in rows.col_iter().zip(state) {
+        for (sample, share) in samples.iter_mut().zip(column.iter()) {
+            *sample += variable * share;
+        }
+    }
+}
+
+/// A square matrix A, and its powers of 2, 4, 8, ... as far as they were needed.
+struct Powers(Vec<Mat<f64>>);
+
+impl Powers {
+    /// `A^(2^k)`.
+    fn square(&mut self, k: usize) -> &Mat<f64> {
+        while self.0.len() <= k {
+            let last = &self.0[self.0.len() - 1];
+            let next = last * last;
+            self.0.push(next);
+        }
+        &self.0[k]
+    }
+
+    fn power(&mut self, exponent: usize) -> Mat<f64> {
+        let bits = (0..usize::BITS as usize).filter(|bit| exponent >> bit & 1 == 1);
+        let mut power: Option<Mat<f64>> = None;
+        for bit in bits {
+            let square = self.square(bit);
+            power = Some(power.map_or_else(|| square.clone(), |power| power * square));
+        }
+        let size = self.0[0].nrows();
+        power.unwrap_or_else(|| Mat::identity(size, size))
+    }
+
+    /// `row A^0`, `row A^stride`, ... to the number of `count`, each half of them from the first half.
+    fn rows(&mut self, row: MatRef<'_, f64>, stride: usize, count: usize) -> Mat<f64> {
+        let mut rows = Mat::zeros(count.max(1), row.ncols());
+        rows.subrows_mut(0, 1).copy_from(row);
+        let mut known = 1;
+        while known < count {
+            let more = known.min(count - known);
+            let next = rows.subrows(0, more) * self.power(stride * known);
+            rows.subrows_mut(known, more).copy_from(next);
+            known += more;
+        }
+        rows.resize_with(count, row.ncols(), |_, _| 0.0);
+        rows
     }
 }
 
@@ -182,72 +236,17 @@ impl<'a> LinearStep<'a> {
     }
 
     /// The matrix A and the row c.
-    fn matrix(&self) -> (Matrix, Vec<f64>) {
-        let mut entries = vec![0.0; self.size * self.size];
-        let mut output = vec![0.0; self.size];
+    fn matrix(&self) -> (Mat<f64>, Mat<f64>) {
+        let mut matrix = Mat::zeros(self.size, self.size);
+        let mut output = Mat::zeros(1, self.size);
         for k in 0..self.size {
             let mut state = vec![0.0; self.size];
             state[k] = 1.0;
-            output[k] = self.take(&mut state);
+            output[(0, k)] = self.take(&mut state);
             for (i, entry) in state.into_iter().enumerate() {
-                entries[i * self.size + k] = entry;
+                matrix[(i, k)] = entry;
             }
         }
-        (Matrix { size: self.size, entries }, output)
-    }
-}
-
-/// A square matrix, row by row.
-#[derive(Debug, Clone)]
-struct Matrix {
-    size: usize,
-    entries: Vec<f64>,
-}
-
-impl Matrix {
-    /// `row A`.
-    fn left_product(&self, row: &[f64]) -> Vec<f64> {
-        let mut product = vec![0.0; self.size];
-        for (factor, entries) in row.iter().zip(self.entries.chunks_exact(self.size)) {
-            for (sum, entry) in product.iter_mut().zip(entries) {
-                *sum += factor * entry;
-            }
-        }
-        product
-    }
-
-    fn times(&self, other: &Self) -> Self {
-        let rows = self.entries.chunks_exact(self.size);
-        Self { size: self.size, entries: rows.flat_map(|row| other.left_product(row)).collect() }
-    }
-
-    /// `row A^0` to `row A^(count - 1)`.
-    fn rows(&self, row: Vec<f64>, count: usize) -> Vec<Vec<f64>> {
-        std::iter::successors(Some(row), |row| Some(self.left_product(row))).take(count).collect()
-    }
-
-    /// `row A^exponent`.
-    fn power_left_product(&self, mut row: Vec<f64>, mut exponent: usize) -> Vec<f64> {
-        let mut square = self.clone();
-        while exponent > 0 {
-            if exponent % 2 == 1 {
-                row = square.left_product(&row);
-            }
-            exponent /= 2;
-            if exponent > 0 {
-                square = square.times(&square);
-            }
-        }
-        row
-    }
-
-    /// `A^exponent`, at least the first.
-    fn power(&self, exponent: usize) -> Self {
-        if exponent <= 1 {
-            return self.clone();
-        }
-        let half = self.power(exponent / 2);
-        let even = half.times(&half);
-        if exponent % 2 == 1 { even.times(self) } else { even }
+        (matrix, output)
     }
 }

@@ -21,6 +21,9 @@ pub struct RunRequest {
     pub sensor: usize,
     /// Duration \[s\]; that of the scenario if not given.
     pub duration: Option<f64>,
+    /// A structure close to this one, and the load with a rounded amplitude: other requests have the same, and
+    /// step, modes and errors are found there. None for a request that is refined by itself.
+    pub near: Option<(Arc<PreparedScenario>, LoadCase)>,
 }
 
 /// A transient case with the step and the modes that were chosen, and its observables with their
@@ -69,19 +72,28 @@ impl RunRequest {
             load: load.clone(),
             sensor,
             duration,
+            near: None,
         };
         (0..prepared.assembly.sensors.len()).map(request).collect()
     }
 
-    /// The request of the reference run: its amplitude is the next power of two above the amplitude of
-    /// this request; none for no load.
+    /// The request of the reference run: on the [near](Self::near) structure, if there is one, the next power
+    /// of two above the amplitude of this request; none for no load.
     pub(super) fn reference(&self) -> Option<Self> {
         let amplitude = self.load.amplitude();
         if self.load.peak() == 0.0 {
             return None;
         }
         let octave = amplitude.abs().log2().ceil().exp2().copysign(amplitude);
-        Some(Self { load: self.load.with_amplitude(octave), ..self.clone() })
+        let prepared = self.near.as_ref().map_or(&self.prepared, |(prepared, _)| prepared);
+        let (prepared, load) = (Arc::clone(prepared), self.load.with_amplitude(octave));
+        Some(Self { prepared, load, near: None, ..self.clone() })
+    }
+
+    /// The request of the near run, whose loss of contact is like that of this request.
+    pub(super) fn near_run(&self) -> Option<Self> {
+        let (prepared, load) = self.near.clone()?;
+        Some(Self { prepared, load, near: None, ..self.clone() })
     }
 
     pub(super) fn is(&self, other: &Self) -> bool {

@@ -17,6 +17,7 @@ use crate::accuracy::ErrorEstimate;
 use crate::assemble::DEFAULT_ACCURACY;
 use crate::error::SimulationError;
 use crate::observables::Observables;
+use crate::quantity::Quantity;
 
 /// Halvings of the first step before an accuracy counts as not reached.
 const MOST_REFINEMENTS: i32 = 7;
@@ -42,6 +43,10 @@ const MOST_WORK_ASKED: f64 = 4e9;
 /// Most modes of a body. Modes too fast for the step count as flexibility in any case.
 const MOST_MODES: usize = 512;
 
+/// Difference of two times without contact, over the period of the lowest natural frequency, up to which
+/// losses of contact are alike.
+const LIKE_LOSS: f64 = 0.1;
+
 /// Successive levels without a response after which the run fails.
 const MOST_FAILURES: usize = 4;
 
@@ -50,6 +55,9 @@ const MOST_FAILURES: usize = 4;
 const STEP_SHARE: f64 = 0.45;
 const COUNT_SHARE: f64 = 0.35;
 const FAST_SHARE: f64 = 0.1;
+
+/// Share for the errors by the step and by the number of modes together, at steps of its own.
+const OWN_STEPS_SHARE: f64 = 0.9;
 
 /// A response counts as far from converged after this number of halvings with an estimated error of
 /// this multiple of the accuracy.
@@ -118,6 +126,16 @@ pub(super) struct Task<'a> {
     /// perturbed run.
     pub(super) diverged: Option<(f64, Observables)>,
     pub(super) done: Option<Result<ConvergedRun, SimulationError>>,
+}
+
+/// Step, modes and observables of a run that is done.
+#[derive(Debug)]
+pub(super) struct Chosen {
+    counts: Vec<usize>,
+    first_step: f64,
+    level: Level,
+    steps: StepLengths,
+    observables: Observables,
 }
 
 /// Halvings of the first step, and doublings of the first modes.
@@ -367,19 +385,56 @@ impl<'a> Task<'a> {
         ErrorEstimate::of_share(fine.observables.all(), largest, self.accuracy())
     }
 
-    /// Accepts the fine response with the errors of its reference run if contact held; begins anew
+    /// Step and modes for other runs; none if the run does not serve them: it failed, did not reach the
+    /// accuracy, or lost contact at equal steps.
+    pub(super) fn chosen(self) -> Option<Chosen> {
+        let done = self.done?.ok()?;
+        let serves = done.is_reached()
+            && done.observables.get(Quantity::SensitiveFrom, None).is_none()
+            && (self.steps == StepLengths::Own || !contact_is_lost(&done.record.contacts));
+        serves.then_some(Chosen {
+            counts: self.counts,
+            first_step: self.first_step,
+            level: self.level,
+            steps: self.steps,
+            observables: done.observables,
+        })
+    }
+
+    /// Takes the step and the modes of a reference run.
+    pub(super) fn follow(&mut self, reference: &Chosen) {
+        self.counts.clone_from(&reference.counts);
+        (self.first_step, self.level) = (reference.first_step, reference.level);
+        self.steps = reference.steps;
+    }
+
+    /// Accepts the fine response with the errors of its reference run if both are alike; begins anew
     /// otherwise.
-    pub(super) fn accept_as(&mut self, reference: &(Level, Observables)) {
-        let fine = self.fine.take();
-        if let (Some(Ok(fine)), Some(estimate)) = (fine, reference.1.estimate())
-            && !fine.loses_contact()
+    pub(super) fn accept_as(&mut self, reference: &Chosen) {
+        if let (Some(Ok(fine)), Some(estimate)) =
+            (self.fine.take(), reference.observables.estimate())
+            && self.is_like(&fine, &reference.observables)
             && fine.record.energy.residual_relative() <= COARSE_RESIDUAL
         {
-            let estimate = estimate.transferred(reference.1.all(), fine.observables.all());
+            let from = reference.observables.all();
+            let estimate = estimate.transferred(from, fine.observables.all());
             self.done = Some(Ok(accepted(fine, self.counts_at(self.level), estimate)));
-        } else {
-            self.level = Level::default();
+        } else if let Ok(anew) = Self::new(self.request) {
+            *self = anew;
         }
+    }
+
+    /// True if contact holds as in a reference run at equal steps, or is lost about as long as in one at steps
+    /// of its own.
+    fn is_like(&self, fine: &Response, reference: &Observables) -> bool {
+        if !self.varies_steps() {
+            return !fine.loses_contact();
+        }
+        let natural = self.request.prepared.at_rest.natural_frequency_hz.unwrap_or(f64::INFINITY);
+        fine.record.contacts.iter().enumerate().all(|(i, contact)| {
+            let lost = reference.get(Quantity::ContactLost, Some(i)).unwrap_or(0.0);
+            (contact.lost - lost).abs() * natural <= LIKE_LOSS
+        })
     }
 
     /// Accepts the fine response, or prepares the next level.
@@ -438,7 +493,13 @@ impl<'a> Task<'a> {
                 let exceeds = |estimate: &ErrorEstimate, share: f64| {
                     estimate.relative.is_nan() || estimate.relative > share * accuracy
                 };
-                let is_coarse = exceeds(&by_step, STEP_SHARE)
+                // At steps of its own, whose levels are far apart, what other errors leave is for the step.
+                let step_share = if self.varies_steps() {
+                    (OWN_STEPS_SHARE - by_modes.relative / accuracy).max(STEP_SHARE)
+                } else {
+                    STEP_SHARE
+                };
+                let is_coarse = exceeds(&by_step, step_share)
                     || exceeds(&by_fast_modes, FAST_SHARE)
                     || residual.is_nan()
                     || residual > COARSE_RESIDUAL;

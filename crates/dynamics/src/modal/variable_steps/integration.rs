@@ -150,13 +150,13 @@ impl<'a, const N: usize> Integration<'a, N> {
     ) -> Result<(), DynamicsError> {
         let whole = 1_usize << MOST_HALVINGS;
         let mut level = FIRST_HALVINGS;
+        let mut coefficients = self.level(level);
         for step in 0..self.control.steps {
             // Parts of the base step that have passed, in steps of the shortest length.
             let mut passed = 0;
             while passed < whole {
                 let start = step as f64 + passed as f64 / whole as f64;
                 let error = loop {
-                    let coefficients = self.level(level);
                     let load = self.load_within(&coefficients, start);
                     let is_shortest = level == MOST_HALVINGS;
                     if let Some((end, error)) = self.attempt(&coefficients, load, is_shortest)
@@ -169,6 +169,7 @@ impl<'a, const N: usize> Integration<'a, N> {
                         return Err(self.unstable(start));
                     }
                     level += 1;
+                    coefficients = self.level(level);
                 };
                 passed += whole >> level;
                 if error < SMALL
@@ -177,6 +178,7 @@ impl<'a, const N: usize> Integration<'a, N> {
                     && self.may_lengthen(level)
                 {
                     level -= 1;
+                    coefficients = self.level(level);
                 }
             }
             record(self, step + 1);
