@@ -193,11 +193,22 @@ pub fn load_case(
     Ok(load)
 }
 
-/// The function of time in a file of samples, which is looked for in `folder`.
-pub(crate) fn samples_of(
-    file: SamplesFile<'_>,
+/// The load that `spec` describes at a `port`; sample files are looked for in `folder`.
+///
+/// # Errors
+/// As [`load_case`].
+pub fn load_case_at(
+    spec: &ExcitationSpec,
+    port: Port,
     folder: &Path,
-) -> Result<SampledFunction, SimulationError> {
+) -> Result<LoadCase, SimulationError> {
+    let load = spec.load_case_at(port, |file| samples_of(file, folder))?;
+    load.check()?;
+    Ok(load)
+}
+
+/// The function of time in a file of samples, which is looked for in `folder`.
+fn samples_of(file: SamplesFile<'_>, folder: &Path) -> Result<SampledFunction, SimulationError> {
     let path = folder.join(file.file);
     let samples = LoadSamples::read(&path, file.column);
     let samples = match (samples, file.peak) {

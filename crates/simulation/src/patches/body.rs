@@ -17,8 +17,8 @@ use crate::error::SimulationError;
 pub(super) struct Body {
     name: String,
     pub(super) matrices: Matrices,
-    /// Forces of gravity on its rows \[N\].
-    pub(super) weight: PortPattern,
+    /// Forces on its rows of a gravity of 1 m/s2 along each axis that has gravity \[kg\].
+    pub(super) weights: [PortPattern; 3],
 }
 
 /// The mesh of a body in metres, if it has one.
@@ -63,15 +63,15 @@ pub(super) fn read_model(
 impl Body {
     /// The body of a reduced model.
     pub(super) fn of_model(name: &str, model: &ReducedModel) -> Result<Self, SimulationError> {
-        Ok(Self { name: name.to_owned(), matrices: model.matrices()?, weight: Vec::new() })
+        Ok(Self { name: name.to_owned(), matrices: model.matrices()?, weights: Default::default() })
     }
 
-    /// The body of the files of `spec`, under `gravity`, with `held` displacements.
+    /// The body of the files of `spec`, under `gravity` along some axes, with `held` displacements.
     pub(super) fn read(
         spec: &MatrixBodySpec,
         folder: &Path,
         deck: Option<&Deck>,
-        gravity: [f64; 3],
+        gravity: [bool; 3],
         held: &[Dof],
     ) -> Result<Self, SimulationError> {
         let MatrixBodySpec { name, matrices, .. } = spec;
@@ -102,12 +102,17 @@ impl Body {
             tracing::info!(body = name, "{finding}");
         }
         // The weight of rows that are held still acts on their neighbours.
-        let weight = read.gravity_loads(gravity, nodes);
+        let unit = |axis: usize| [0, 1, 2].map(|other| f64::from(u8::from(other == axis)));
+        let forces = [0, 1, 2].map(|axis| {
+            if gravity[axis] { read.gravity_loads(unit(axis), nodes) } else { Vec::new() }
+        });
         let all = read.dofs().to_vec();
         let matrices = read.hold(held)?;
-        let own = all.iter().zip(weight).filter(|(_, force)| *force != 0.0);
-        let weight = own.filter_map(|(dof, force)| Some((matrices.row(*dof)?, force))).collect();
-        Ok(Self { name: name.clone(), matrices, weight })
+        let weights = forces.map(|forces| {
+            let own = all.iter().zip(forces).filter(|(_, force)| *force != 0.0);
+            own.filter_map(|(dof, force)| Some((matrices.row(*dof)?, force))).collect()
+        });
+        Ok(Self { name: name.clone(), matrices, weights })
     }
 
     /// The row of a degree of freedom; none if it is held.
