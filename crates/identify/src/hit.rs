@@ -139,9 +139,13 @@ impl PreparedRig {
             .map_err(|error| SimulationError::Scenario(error.to_string()))?;
         let is_structure = has_matrices(&scenario);
         // The place of a force is a port of a structure of matrices.
-        let silent = match scenario.pointer("/excitation/at").filter(|_| is_structure) {
-            Some(at) => json!({"kind": "haversine", "peak_n": 1, "duration_s": 1e-3, "at": at}),
-            None => json!({"kind": "none"}),
+        let none = || json!({"kind": "none"});
+        let silent = match (is_structure, scenario.pointer("/excitation/at")) {
+            (true, Some(at)) => {
+                json!({"kind": "haversine", "peak_n": 1, "duration_s": 1e-3, "at": at})
+            }
+            (true, None) => scenario.get("excitation").cloned().unwrap_or_else(none),
+            (false, _) => none(),
         };
         let excitation = match scenario.get_mut("excitation") {
             Some(excitation) => std::mem::replace(excitation, silent),

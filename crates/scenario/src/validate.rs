@@ -63,6 +63,7 @@ pub(crate) fn check(scenario: &Value, folder: &Path) -> Vec<Diagnostic> {
     damping::check(&root, &mut found);
     extent::check(&root, &mut found);
     loads::check(&root, folder, &mut found);
+    loads::no_direction(&root, &mut found);
     found
 }
 

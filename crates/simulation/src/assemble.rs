@@ -45,6 +45,8 @@ pub struct Sensor {
     pub port: Port,
     /// Quantity that it reads.
     pub kind: SensorKind,
+    /// Part of a motion of the base that it reads: the cosine of the angle between both directions; 1 for bars.
+    pub base_share: f64,
 }
 
 /// Structures whose interfaces are contacts at rest.
@@ -223,11 +225,11 @@ fn samples_of(file: SamplesFile<'_>, folder: &Path) -> Result<SampledFunction, S
 fn sensors(scenario: &Scenario, bodies: &[Body]) -> Result<Vec<Sensor>, SimulationError> {
     if scenario.sensors.is_empty() {
         let kind = SensorKind::Displacement;
-        return Ok(vec![Sensor { name: None, port: Port::TOP, kind }]);
+        return Ok(vec![Sensor { name: None, port: Port::TOP, kind, base_share: 1.0 }]);
     }
     let sensor = |spec: &SensorSpec| {
         let port = spec.at.as_ref().map_or(Ok(Port::TOP), |at| at.port(bodies))?;
-        Ok(Sensor { name: Some(spec.name.clone()), port, kind: spec.kind })
+        Ok(Sensor { name: Some(spec.name.clone()), port, kind: spec.kind, base_share: 1.0 })
     };
     scenario.sensors.iter().map(sensor).collect()
 }

@@ -73,7 +73,7 @@ pub fn is_of_reduction(scenario: &Value, pointer: &str) -> bool {
                 | ["interfaces", _, "split" | "along", ..]
                 | ["loads", _, "node" | "direction", ..]
                 | ["springs", _, "from" | "to", ..]
-                | ["excitation", "at", ..]
+                | ["excitation", "at" | "direction", ..]
         )
 }
 

@@ -134,19 +134,18 @@ impl Body {
         direction: [f64; 3],
         place: &str,
     ) -> Result<PortPattern, SimulationError> {
-        let length = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
-        if !(length.is_finite() && length > 0.0) {
+        let Some(direction) = unit(direction) else {
             let at = format!("{place}/direction");
             return Err(SimulationError::model(
                 &at,
                 "the direction has no length",
                 "three numbers, not all zero",
             ));
-        }
+        };
         let mut pattern = PortPattern::new();
         for (part, axis) in direction.iter().zip(1_u8..).filter(|(part, _)| **part != 0.0) {
             let row = self.row(Dof::new(node, axis), place)?;
-            pattern.extend(row.map(|row| (row, part / length)));
+            pattern.extend(row.map(|row| (row, *part)));
         }
         if pattern.is_empty() {
             let problem = format!("node {node} of body \"{}\" is held there", self.name);
@@ -172,4 +171,10 @@ fn sparse(matrix: &SparseSymmetric) -> SparseColMat<usize, f64> {
     let (starts, rows) = (matrix.column_starts().to_vec(), matrix.rows().to_vec());
     let symbolic = SymbolicSparseColMat::new_checked(size, size, starts, None, rows);
     SparseColMat::new(symbolic, matrix.values().to_vec())
+}
+
+/// A direction of unit length; none for one without a length.
+pub(super) fn unit(direction: [f64; 3]) -> Option<[f64; 3]> {
+    let length = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
+    (length.is_finite() && length > 0.0).then(|| direction.map(|part| part / length))
 }

@@ -61,6 +61,7 @@ impl ReductionKey {
             "springs": springs,
             "held": scenario.held,
             "load": scenario.excitation.at(),
+            "base": scenario.excitation.base_direction(),
             "sensors": places,
         });
         let mut text = parts.to_string();

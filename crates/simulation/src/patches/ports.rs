@@ -13,7 +13,7 @@ use asperity_scenario::{
 };
 use asperity_structure::UnloadedContact;
 
-use super::body::{Body, read_deck, read_model};
+use super::body::{Body, read_deck, read_model, unit};
 use crate::error::SimulationError;
 use crate::shared_laws::shared_law;
 
@@ -54,6 +54,8 @@ pub(super) struct PortMap {
     /// Port of the excitation.
     pub(super) load: usize,
     pub(super) sensors: Vec<usize>,
+    /// Number of ports.
+    pub(super) count: usize,
 }
 
 /// Ports of a structure with its files. Without bodies read, where their reduction is known, the patterns are empty.
@@ -66,6 +68,9 @@ pub(super) struct Ports<'a> {
     pub(super) bodies: Vec<Body>,
     /// Body and pattern of each port.
     pub(super) patterns: Vec<(usize, PortPattern)>,
+    /// Port of the motion of the base, which all bodies share: forces of an acceleration of 1 m/s2 on the rows of each
+    /// \[kg\].
+    base: Option<(usize, Vec<PortPattern>)>,
     pub(super) map: PortMap,
 }
 
@@ -97,16 +102,22 @@ impl<'a> Ports<'a> {
             models,
             bodies: Vec::new(),
             patterns: Vec::new(),
+            base: None,
             map: PortMap::default(),
         };
         // A kept reduction is one with the displacements that are held.
         let held = if whole { ports.held(scenario)? } else { Vec::new() };
+        let direction = base_direction(scenario)?;
+        let gravity = scenario.gravity_m_per_s2;
+        let pulled = [0, 1, 2].map(|axis| {
+            gravity[axis] != 0.0 || direction.is_some_and(|direction| direction[axis] != 0.0)
+        });
         for ((number, spec), held) in scenario.bodies.iter().enumerate().zip(&held) {
             let body = if let Some(model) = &ports.models[number] {
                 Body::of_model(&spec.name, model)?
             } else {
                 let deck = ports.decks[number].as_ref();
-                Body::read(spec, folder, deck, scenario.gravity_m_per_s2.map(|g| g != 0.0), held)?
+                Body::read(spec, folder, deck, pulled, held)?
             };
             ports.bodies.push(body);
         }
@@ -126,13 +137,14 @@ impl<'a> Ports<'a> {
         for (number, load) in scenario.loads.iter().enumerate() {
             ports.add_load(load, number, folder)?;
         }
-        ports.map.load = match scenario.excitation.at() {
-            Some(at) => ports.add_place(at, "/excitation/at")?,
-            None if matches!(scenario.excitation, ExcitationSpec::None) => {
+        ports.map.load = match (scenario.excitation.at(), direction) {
+            (None, Some(direction)) => ports.add_base(direction)?,
+            (Some(at), _) => ports.add_place(at, "/excitation/at")?,
+            (None, None) if matches!(scenario.excitation, ExcitationSpec::None) => {
                 // No force acts; the first sensor's port stands in for one.
                 ports.add_sensor(scenario, 0)?
             }
-            None => {
+            (None, None) => {
                 let accepted = PLACE;
                 return Err(SimulationError::model(
                     "/excitation",
@@ -145,6 +157,7 @@ impl<'a> Ports<'a> {
             let port = ports.add_sensor(scenario, number)?;
             ports.map.sensors.push(port);
         }
+        ports.map.count = ports.patterns.len();
         Ok(ports)
     }
 
@@ -174,7 +187,39 @@ impl<'a> Ports<'a> {
 
     /// Numbers of the ports of a body.
     pub(super) fn of(&self, body: usize) -> Vec<usize> {
-        (0..self.patterns.len()).filter(|&port| self.patterns[port].0 == body).collect()
+        let is_base = |port: usize| self.base.as_ref().is_some_and(|(base, _)| *base == port);
+        let is_own = |port: &usize| self.patterns[*port].0 == body || is_base(*port);
+        (0..self.patterns.len()).filter(is_own).collect()
+    }
+
+    /// Pattern of a port on a body.
+    pub(super) fn pattern(&self, port: usize, body: usize) -> PortPattern {
+        match &self.base {
+            Some((base, patterns)) if *base == port => patterns[body].clone(),
+            _ => self.patterns[port].1.clone(),
+        }
+    }
+
+    /// The port of a motion of the base along a direction of unit length: the load is its acceleration, which acts
+    /// on all bodies against it.
+    fn add_base(&mut self, direction: [f64; 3]) -> Result<usize, SimulationError> {
+        if let Some(number) = self.models.iter().position(Option::is_some) {
+            let problem = format!("body \"{}\" is a reduced model", self.names[number]);
+            let accepted = "a motion of the base with bodies of matrices alone";
+            return Err(SimulationError::model("/excitation/kind", problem, accepted));
+        }
+        let pattern = |body: &Body| {
+            let axes = body.weights.iter().zip(direction);
+            let parts = axes.flat_map(|(weight, part)| {
+                weight.iter().map(move |&(row, mass)| (row, -part * mass))
+            });
+            parts.collect()
+        };
+        let patterns = self.bodies.iter().map(pattern).collect();
+        // A number that no body has.
+        let port = self.add(self.names.len(), PortPattern::new());
+        self.base = Some((port, patterns));
+        Ok(port)
     }
 
     pub(super) fn body(&self, name: &str, place: &str) -> Result<usize, SimulationError> {
@@ -402,6 +447,21 @@ impl PortMap {
         let others = self.loads.iter().zip(&scenario.loads);
         weights.chain(others.map(|(&port, load)| (port, size(load)))).collect()
     }
+}
+
+/// Direction of a motion of the base, of unit length; none for a force.
+pub(super) fn base_direction(
+    scenario: &StructureScenario,
+) -> Result<Option<[f64; 3]>, SimulationError> {
+    if !matches!(scenario.excitation, ExcitationSpec::BaseMotion { .. }) {
+        return Ok(None);
+    }
+    let direction = scenario.excitation.base_direction().unwrap_or_default();
+    unit(direction).map(Some).ok_or_else(|| {
+        let problem = "the motion of the base has no direction";
+        let accepted = "[x, y, z], not all zero";
+        SimulationError::model("/excitation/direction", problem, accepted)
+    })
 }
 
 /// The law of an interface.

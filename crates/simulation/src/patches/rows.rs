@@ -44,8 +44,9 @@ impl Prepared {
     ) -> Result<Self, SimulationError> {
         let interfaces: Vec<&str> = scenario.interfaces.iter().map(|one| &*one.name).collect();
         let further: Vec<&str> = scenario.sensors.iter().skip(1).map(|one| &*one.name).collect();
-        let names = observable_names(&interfaces, &further, false).into();
-        Ok(Self { system: PatchSystem::new(reductions.assemble(scenario, folder)?)?, names })
+        let system = PatchSystem::new(reductions.assemble(scenario, folder)?)?;
+        let base = system.assembly.load.base().is_some();
+        Ok(Self { names: observable_names(&interfaces, &further, base).into(), system })
     }
 }
 
@@ -108,8 +109,11 @@ impl PatchRows {
         inputs: &RowInputs,
         row: &[T],
     ) -> Result<Arc<Prepared>, SimulationError> {
-        // The place of the force is a port of the structure.
-        let key = inputs.of_structure(row, |place| place.starts_with("/excitation/at"));
+        // The place of the force, or the direction of the base, is a port of the structure.
+        let is_port = |place: &str| {
+            ["/excitation/at", "/excitation/direction"].iter().any(|port| place.starts_with(port))
+        };
+        let key = inputs.of_structure(row, is_port);
         let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(found) = kept().get(&key) {
             return Ok(Arc::clone(found));

@@ -5,15 +5,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::{Integrator, Sampling};
 use asperity_mesh::{ComponentModes, Port, PortPattern, ReducedBody};
-use asperity_scenario::{DampingSpec, ExcitationSpec, StructureScenario};
-use asperity_structure::{
-    LoadCase, PreloadedContact, PreloadedStructure, StructureError, contacts_at_rest,
-};
+use asperity_scenario::{Along, DampingSpec, SensorSpec, StructureScenario};
+use asperity_structure::{PreloadedContact, PreloadedStructure, StructureError, contacts_at_rest};
 use tracing::info_span;
 
-use super::body::Body;
+use super::body::{Body, unit};
 use super::kept_reduction::{self, BodyShapes, FOLDER, ReductionKey};
-use super::ports::{Patch, PortMap, Ports};
+use super::ports::{Patch, PortMap, Ports, base_direction};
 use crate::assemble::{Assembly, DEFAULT_ACCURACY, Interfaces, Sensor, load_case_at};
 use crate::error::SimulationError;
 use crate::static_state::{StaticInterface, StaticSummary};
@@ -136,7 +134,7 @@ impl ReducedStructure {
             ));
         }
         let time = internal.retardation_time().unwrap_or(0.0);
-        let count = own.iter().map(Vec::len).sum();
+        let count = ports.count;
         let joined: Vec<(&ReducedBody, &[usize])> =
             bodies.iter().zip(own).map(|(body, own)| (body, own.as_slice())).collect();
         let modes = ReducedBody::joined(&joined, count, time, ports.pairs.clone());
@@ -156,13 +154,15 @@ impl ReducedStructure {
             modes_per_body,
             rigid_motions,
         };
-        let named = |(spec, &port): (&asperity_scenario::SensorSpec, &usize)| Sensor {
+        let direction = base_direction(scenario)?;
+        let named = |(spec, &port): (&SensorSpec, &usize)| Sensor {
             name: Some(spec.name.clone()),
             port: Port::Number(port),
             kind: spec.kind,
+            base_share: direction.map_or(0.0, |direction| share(spec, direction)),
         };
         Ok(Assembly {
-            load: load_case(scenario, structure.load, folder)?,
+            load: load_case_at(&scenario.excitation, Port::Number(structure.load), folder)?,
             sensors: scenario.sensors.iter().zip(&structure.sensors).map(named).collect(),
             structure,
             sampling: Sampling::new(scenario.duration_s, scenario.output_rate_hz)?,
@@ -232,7 +232,7 @@ pub(super) fn reduced<'a>(
     let ports = read.in_scope(|| Ports::read(scenario, folder, true))?;
     let reduce = |(number, body): (usize, &Body)| {
         let own = ports.of(number).into_iter();
-        let patterns: Vec<PortPattern> = own.map(|port| ports.patterns[port].1.clone()).collect();
+        let patterns: Vec<PortPattern> = own.map(|port| ports.pattern(port, number)).collect();
         let dofs = body.matrices.dofs().to_vec();
         let body = body.sparse(ports.decks[number].as_ref())?;
         let modes = scenario.bodies[number].reduction.modes;
@@ -260,14 +260,12 @@ fn whole(
     Ok(PreloadedContact::new(&patch.name, area, Arc::clone(cells[0].law()), force / area)?)
 }
 
-fn load_case(
-    scenario: &StructureScenario,
-    port: usize,
-    folder: &Path,
-) -> Result<LoadCase, SimulationError> {
-    if matches!(scenario.excitation, ExcitationSpec::BaseMotion { .. }) {
-        let problem = "a motion of the base is not taken by structures of matrices";
-        return Err(SimulationError::model("/excitation/kind", problem, "a force at a node"));
+/// Cosine of the angle between the direction of a sensor and one of unit length.
+fn share(sensor: &SensorSpec, direction: [f64; 3]) -> f64 {
+    match sensor.at.as_ref().map(|at| &at.along) {
+        Some(Along::Node { direction: own, .. }) => {
+            unit(*own).map_or(0.0, |own| own.iter().zip(direction).map(|(a, b)| a * b).sum())
+        }
+        _ => 0.0,
     }
-    load_case_at(&scenario.excitation, Port::Number(port), folder)
 }
