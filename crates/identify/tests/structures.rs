@@ -126,27 +126,6 @@ fn a_wrong_law_of_a_structure_is_of_no_use() {
     assert!(!found.explains());
 }
 
-/// A table and a law without an assumed form, from the same hits.
-#[test]
-fn laws_without_a_form_are_identified_on_a_structure_of_matrices() {
-    if !is_long() {
-        return;
-    }
-    let (lattice, folder) = (Lattice::new(), tempfile::tempdir().unwrap());
-    let points: Vec<[f64; 2]> =
-        [2e4, 5e4, 1e5, 2e5, 4e5].map(|p: f64| [p, 2e8 * p.powf(0.4)]).into();
-    let table = json!({"kind": "table", "points": points});
-    let monotone = json!([{"kind": "monotone_law", "law": "rough"}]);
-    let free = json!([{"kind": "free_law", "law": "rough", "points": 12}]);
-    for (law, unknowns) in [(&table, monotone), (&power(2e8, 0.4), free)] {
-        let more = json!({"unknowns": unknowns, "data": measured(&lattice, 3)});
-        let found = identify(&problem(&lattice, folder.path(), law, &more).fast()).unwrap();
-        let (inside, informed) = coverage(&found);
-        assert!(found.explains(), "{:?}", found.goodness);
-        assert!(informed > 10 && 10 * inside >= 9 * informed, "{inside} of {informed}");
-    }
-}
-
 /// Numbers of the reduction are no parameters, and features are read at every sensor.
 #[test]
 fn parameters_of_a_structure_leave_its_reduction() {
