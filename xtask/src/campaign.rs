@@ -15,6 +15,7 @@
 //! | [`answer`] | observables of an engine's answer, and distances in tolerances |
 //! | [`judgement`] | classes of answers, by agreement or by refined runs |
 //! | [`steady`] | harmonic balance against exact and integrated responses |
+//! | [`structure`] | structures of matrices against their equations on all rows |
 //! | [`linear_oracle`] | exact linear response of a stack |
 //! | [`cases`] | a folder of scenarios with their truths |
 //! | [`report`] | `report.json` and `report.md` |
@@ -27,6 +28,7 @@ mod linear_oracle;
 mod random_scenario;
 mod report;
 mod steady;
+mod structure;
 
 use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime};
@@ -131,10 +133,11 @@ fn judge_random(arguments: &Arguments, folder: &Path) -> Result<Vec<Judged>> {
                 .scenario()
                 .with_context(|| format!("the scenario {} is not valid", path.display()))?;
             let judgement = Case { document: &document, scenario: &scenario }.judge();
-            let steady = match number % STEADY_EVERY {
+            let mut steady = match number % STEADY_EVERY {
                 0 => steady::judge(&document, &scenario, seed, number),
                 _ => Vec::new(),
             };
+            steady.extend(structure::judge(folder, seed, number));
             let seconds = started.elapsed().as_secs_f64();
             let judged =
                 Judged { name: format!("seed{seed}-{number}"), judgement, steady, seconds };

@@ -15,7 +15,7 @@ use crate::problem::{CandidateSpec, DataSpec, ParameterSpec};
 use crate::problem_parameters::{ProblemParameters, is_within};
 use crate::scenario_laws::{no_law, unnamed_law};
 use crate::scenario_model::ScenarioModel;
-use asperity_scenario::JsonPointer;
+use asperity_scenario::{JsonPointer, has_matrices};
 use asperity_simulation::observable_extractor::ObservableExtractor;
 
 impl IdentificationProblem {
@@ -163,22 +163,23 @@ impl IdentificationProblem {
         self.check_scenario(scenario)?;
         let parameters = ProblemParameters::new(specs, scenario)?;
         check_overlap(&parameters)?;
-        let items = scenario.get("interfaces").and_then(Value::as_array);
-        let interfaces: Vec<&str> = items
-            .into_iter()
-            .flatten()
-            .filter_map(|interface| interface.get("name")?.as_str())
-            .collect();
+        let named = |section: &str| -> Vec<&str> {
+            let items = scenario.get(section).and_then(Value::as_array).into_iter().flatten();
+            items.filter_map(|item| item.get("name")?.as_str()).collect()
+        };
+        let sensors = if has_matrices(scenario) { named("sensors") } else { Vec::new() };
+        let further = sensors.get(1..).unwrap_or_default();
         let forward = ScenarioModel {
             scenario: scenario.clone(),
             folder: self.scenario_folder().to_owned(),
+            reductions: Arc::clone(&self.reductions),
             rigs: Vec::new(),
             hits: Vec::new(),
             quantities: Vec::new(),
             observations: Vec::new(),
             stiffness: Vec::new(),
             sweeps: Vec::new(),
-            columns: SummaryColumns::new(&interfaces),
+            columns: SummaryColumns::new(&named("interfaces"), further),
             batch: Batch::default(),
             extractor: ObservableExtractor::default(),
             work: Arc::clone(&self.work),

@@ -123,6 +123,7 @@ impl ScenarioModel {
         neighbours: &[StencilRigs],
     ) -> Result<HitDerivatives, SimulationError> {
         let rig = &base[hit.rig];
+        let bars = rig.bars()?;
         let gains = |point: &[f64]| hit.sensors.gains(point);
         let simulation = hit.simulation(rig, gains(point), &self.folder)?;
         let counts = hit.mode_counts(rig, &simulation.load)?;
@@ -132,7 +133,7 @@ impl ScenarioModel {
                 let varied = &around.rigs[place][hit.rig];
                 let sensors = gains(&around.points[place]);
                 let load = hit.load(varied, sensors, &self.folder)?;
-                let mut moved = varied.case.modal_model(&counts, load.port())?;
+                let mut moved = varied.bars()?.modal_model(&counts, load.port())?;
                 if !around.of_law {
                     moved = Arc::new(with_laws_of(&simulation.model, &moved)?);
                 }
@@ -145,13 +146,13 @@ impl ScenarioModel {
         let stencils: Vec<StaticStencil<'_>> = neighbours
             .iter()
             .map(|around| {
-                let at_rest = around.rigs.each_ref().map(|rigs| &rigs[hit.rig].case.at_rest);
+                let at_rest = around.rigs.each_ref().map(|rigs| rigs[hit.rig].at_rest());
                 (at_rest, around.step)
             })
             .collect();
         let steps: Vec<f64> = neighbours.iter().map(|around| around.step).collect();
-        let table = DerivativeTable::new(&rig.case, &found, &stencils)?;
-        let has_friction = rig.case.assembly.structure.has_friction();
+        let table = DerivativeTable::new(bars, &found, &stencils)?;
+        let has_friction = bars.assembly.structure.has_friction();
         let mut found = self.collected(hit, &table, (&found, has_friction), &steps);
         if simulation.tolerance.is_some() {
             // The derivatives are of equal steps; the values are to be the search's own.
@@ -186,7 +187,7 @@ impl ScenarioModel {
         let outcome = HitOutcome {
             columns: gather(&|place| table.values[place]),
             receptance: at_frequencies.iter().map(|&[u, f]| u / f).collect(),
-            backbone: Vec::new(),
+            ..HitOutcome::default()
         };
         let derivatives = found.derivatives.iter().enumerate().map(|(parameter, history)| {
             let pairs = transforms(history).into_iter().zip(&at_frequencies);
@@ -196,7 +197,7 @@ impl ScenarioModel {
             HitOutcome {
                 columns: gather(&|place| table.jacobian[place][parameter]),
                 receptance: receptance.collect(),
-                backbone: Vec::new(),
+                ..HitOutcome::default()
             }
         });
         let derivatives = derivatives.collect();

@@ -180,13 +180,17 @@ impl DesignModel {
         })
     }
 
-    /// The hits, by their exact derivatives.
+    /// The hits, by their derivatives.
     fn hit_candidates(
         &self,
         best: &[f64],
         noise_factor: f64,
     ) -> Result<Vec<DesignCandidate>, IdentificationError> {
-        let derivatives = self.forward.derivatives(best)?;
+        let derivatives = if self.forward.is_structure() {
+            self.forward.differences(best)
+        } else {
+            self.forward.derivatives(best)?
+        };
         let pairs = self.forward.parameters().iter().zip(best);
         let slopes: Vec<f64> =
             pairs.map(|(parameter, &value)| parameter.d_value_d_working(value)).collect();

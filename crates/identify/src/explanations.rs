@@ -13,7 +13,7 @@ use asperity_inference::{
     Agreement, Covariance, FitOptions, FitSolution, ForwardModel, GoodnessOfFit, Linearisation,
     Observation, Predictions, ProgressCallback, Strain, fit_with_progress,
 };
-use asperity_scenario::{JsonPointer, four_digits};
+use asperity_scenario::{JsonPointer, four_digits, has_matrices};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -110,6 +110,9 @@ impl Loss {
 
 /// The losses that a scenario does not have: damping of the contacts of each law, friction of the upper body.
 fn losses(scenario: &Value, natural: Option<f64>) -> Vec<Loss> {
+    if has_matrices(scenario) {
+        return Vec::new();
+    }
     let list = |section: &str| scenario[section].as_array().cloned().unwrap_or_default();
     let name = |one: &Value, place: usize| {
         one["name"].as_str().map_or_else(|| place.to_string(), str::to_owned)

@@ -47,8 +47,9 @@ impl ForwardModel for ScenarioModel {
     }
 
     fn differentiate(&self, point: &[f64]) -> Option<Result<Derivatives, PredictionError>> {
-        // One run with derivatives costs more than differences with respect to many latents.
-        if self.parameters.free.is_some() {
+        // One run with derivatives costs more than differences with respect to many latents; many contacts have no exact
+        // derivatives.
+        if self.parameters.free.is_some() || self.is_structure() {
             return None;
         }
         if self.work.is_stopped() {
@@ -65,6 +66,9 @@ fn stopped() -> PredictionError {
 impl ScenarioModel {
     /// Number of points whose hits fill a batch best.
     fn points_per_batch(&self) -> usize {
+        if self.is_structure() {
+            return 1;
+        }
         // Hits of one step and as many modes are integrated together, at steps of their own each by itself.
         let mut groups: Vec<(&HitResolution, usize)> = Vec::new();
         let mut others = 0;

@@ -10,6 +10,7 @@
 
 use asperity_inference::{Covariance, ForwardModel, Linearisation, Predictions, normal_quantile};
 use asperity_scenario::JsonPointer;
+use asperity_simulation::parameter::is_of_reduction;
 use serde::Serialize;
 use serde_json::Value;
 use std::f64::consts::PI;
@@ -35,8 +36,17 @@ const LEAST_SENSITIVITY: f64 = 0.02;
 const MOST_NUMBERS: usize = 80;
 
 /// Sections of a scenario whose numbers describe the rig, but for the laws.
-const SECTIONS: [&str; 7] =
-    ["gravity_m_per_s2", "bodies", "interfaces", "laws", "support", "damping", "excitation"];
+const SECTIONS: [&str; 9] = [
+    "gravity_m_per_s2",
+    "bodies",
+    "loads",
+    "springs",
+    "interfaces",
+    "laws",
+    "support",
+    "damping",
+    "excitation",
+];
 
 /// Pointer to the support, which is rigid for certain where its tolerance is zero.
 const SUPPORT: &str = "/support";
@@ -260,6 +270,7 @@ fn given(forward: &ScenarioModel) -> Vec<(String, f64)> {
     let is_known = |pointer: &str| {
         forward.parameters.pointers().any(|known| is_within(pointer, known))
             || pointer.ends_with("/peak_n")
+            || is_of_reduction(&forward.scenario, pointer)
     };
     all.retain(|(pointer, value)| *value != 0.0 && !is_known(pointer));
     all

@@ -1,4 +1,4 @@
-//! Simulated hits: from values of the parameters to simulations.
+//! Simulated hits: rigs at values of the parameters, and hits on rigs of bars.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -13,10 +13,13 @@ use crate::error::IdentificationError;
 use crate::problem::Changes;
 use crate::problem_parameters::{Gains, ProblemParameters, Sensors};
 use asperity_scenario::set_value;
-use asperity_scenario::{ExcitationSpec, PlaceSpec, Scenario};
-use asperity_simulation::assemble::load_case;
+use asperity_scenario::{ExcitationSpec, PlaceSpec, Scenario, StructureScenario, has_matrices};
+use asperity_simulation::assemble::{load_case, load_case_at};
 use asperity_simulation::error::SimulationError;
+use asperity_simulation::observables::Observables;
+use asperity_simulation::patches::{PatchSystem, ReducedStructures};
 use asperity_simulation::prepared_scenario::PreparedScenario;
+use asperity_simulation::static_state::StaticSummary;
 
 /// Applies the changes of `place` to a scenario.
 pub(super) fn apply(
@@ -63,6 +66,17 @@ pub(super) struct HitResolution {
     pub(super) counts: Vec<usize>,
 }
 
+/// A hit to the accuracy of its scenario.
+#[derive(Debug)]
+pub(super) struct ConvergedHit {
+    /// Peak of the force \[N\].
+    pub(super) peak: f64,
+    /// Step and modes.
+    pub(super) resolution: Option<HitResolution>,
+    /// Observables with their estimated errors.
+    pub(super) observables: Observables,
+}
+
 impl HitResolution {
     /// True if this has steps as short and modes as many as `other`.
     pub(super) fn covers(&self, other: &Self) -> bool {
@@ -99,9 +113,16 @@ pub(super) enum HitForce {
 /// A rig at some values of the parameters.
 #[derive(Debug)]
 pub(super) struct PreparedRig {
-    pub(super) case: Arc<PreparedScenario>,
+    case: RigCase,
     /// The scenario's excitation there.
     excitation: Value,
+}
+
+/// A rig of bars, or a structure of matrices with its state at rest.
+#[derive(Debug)]
+enum RigCase {
+    Bars(Arc<PreparedScenario>),
+    Structure(Box<(PatchSystem, StaticSummary)>),
 }
 
 impl PreparedRig {
@@ -110,21 +131,67 @@ impl PreparedRig {
         scenario: &Value,
         parameters: &ProblemParameters,
         point: &[f64],
-        folder: &Path,
+        (folder, reductions): (&Path, &ReducedStructures),
     ) -> Result<Self, SimulationError> {
         let mut scenario = scenario.clone();
         parameters
             .write(&mut scenario, point)
             .map_err(|error| SimulationError::Scenario(error.to_string()))?;
-        let silent = json!({"kind": "none"});
+        let is_structure = has_matrices(&scenario);
+        // The place of a force is a port of a structure of matrices.
+        let none = || json!({"kind": "none"});
+        let silent = match (is_structure, scenario.pointer("/excitation/at")) {
+            (true, Some(at)) => {
+                json!({"kind": "haversine", "peak_n": 1, "duration_s": 1e-3, "at": at})
+            }
+            (true, None) => scenario.get("excitation").cloned().unwrap_or_else(none),
+            (false, _) => none(),
+        };
         let excitation = match scenario.get_mut("excitation") {
             Some(excitation) => std::mem::replace(excitation, silent),
             None => silent,
         };
-        let scenario: Scenario =
-            serde_json::from_value(scenario).map_err(|error| invalid(&error))?;
-        Ok(Self { case: Arc::new(PreparedScenario::new(&scenario, folder)?), excitation })
+        let case = if is_structure {
+            let scenario: StructureScenario =
+                serde_json::from_value(scenario).map_err(|error| invalid(&error))?;
+            let assembly = reductions.assemble(&scenario, folder)?;
+            let at_rest = assembly.structure.at_rest();
+            RigCase::Structure(Box::new((PatchSystem::new(assembly)?, at_rest)))
+        } else {
+            let scenario: Scenario =
+                serde_json::from_value(scenario).map_err(|error| invalid(&error))?;
+            RigCase::Bars(Arc::new(PreparedScenario::new(&scenario, folder)?))
+        };
+        Ok(Self { case, excitation })
     }
+
+    /// The state at rest.
+    pub(super) fn at_rest(&self) -> &StaticSummary {
+        match &self.case {
+            RigCase::Bars(bars) => &bars.at_rest,
+            RigCase::Structure(structure) => &structure.1,
+        }
+    }
+
+    /// The rig of bars.
+    pub(super) fn bars(&self) -> Result<&Arc<PreparedScenario>, SimulationError> {
+        match &self.case {
+            RigCase::Bars(bars) => Ok(bars),
+            RigCase::Structure(_) => Err(other_kind("a stack of bars")),
+        }
+    }
+
+    /// The structure of matrices.
+    pub(super) fn structure(&self) -> Result<&PatchSystem, SimulationError> {
+        match &self.case {
+            RigCase::Bars(_) => Err(other_kind("a structure of matrices")),
+            RigCase::Structure(structure) => Ok(&structure.0),
+        }
+    }
+}
+
+fn other_kind(expected: &str) -> SimulationError {
+    SimulationError::Scenario(format!("the rig is not {expected}"))
 }
 
 fn invalid(error: &serde_json::Error) -> SimulationError {
@@ -143,10 +210,13 @@ impl PreparedRig {
 
     /// The port of the scenario's excitation with some changes inside it.
     pub(super) fn load_port(&self, set: &Changes) -> Result<Port, SimulationError> {
+        if let RigCase::Structure(structure) = &self.case {
+            return Ok(Port::Number(structure.0.assembly.structure.load));
+        }
         let excitation = self.excitation(set)?;
         let Some(at) = excitation.get("at") else { return Ok(Port::TOP) };
         let at = PlaceSpec::deserialize(at).map_err(|error| invalid(&error))?;
-        Ok(at.port(self.case.assembly.structure.stack().bodies())?)
+        Ok(at.port(self.bars()?.assembly.structure.stack().bodies())?)
     }
 }
 
@@ -158,12 +228,16 @@ impl SimulatedHit {
         gains: Gains,
         folder: &Path,
     ) -> Result<LoadCase, SimulationError> {
-        let bodies = rig.case.assembly.structure.stack().bodies();
         let load = match &self.force {
             HitForce::Scenario { set, peak_n } => {
                 let spec = ExcitationSpec::deserialize(rig.excitation(set)?)
                     .map_err(|error| invalid(&error))?;
-                let load = load_case(&spec, bodies, folder)?;
+                let load = match &rig.case {
+                    RigCase::Bars(bars) => {
+                        load_case(&spec, bars.assembly.structure.stack().bodies(), folder)?
+                    }
+                    RigCase::Structure(_) => load_case_at(&spec, rig.load_port(set)?, folder)?,
+                };
                 match peak_n {
                     Some(peak) => load.with_amplitude(peak / gains.force),
                     None => load,
@@ -179,19 +253,20 @@ impl SimulatedHit {
         Ok(load)
     }
 
-    /// The simulation of the hit.
+    /// The simulation of the hit on a rig of bars.
     pub(super) fn simulation(
         &self,
         rig: &PreparedRig,
         gains: Gains,
         folder: &Path,
     ) -> Result<TransientCase, SimulationError> {
-        let modal = rig.case.modal().unwrap_or_default();
-        let hit = rig.case.case(&modal, self.load(rig, gains, folder)?)?;
+        let bars = rig.bars()?;
+        let modal = bars.modal().unwrap_or_default();
+        let hit = bars.case(&modal, self.load(rig, gains, folder)?)?;
         let duration = self.duration.unwrap_or(hit.duration);
         Ok(match &self.resolution {
             Some(HitResolution { step, tolerance, counts }) => {
-                let model = rig.case.modal_model(counts, hit.load.port())?;
+                let model = bars.modal_model(counts, hit.load.port())?;
                 let tolerance = *tolerance;
                 TransientCase { model, duration, step: Some(*step), tolerance, ..hit }
             }
@@ -199,15 +274,16 @@ impl SimulatedHit {
         })
     }
 
-    /// Modes of each body in the simulation of the hit under `load`.
+    /// Modes of each body in the simulation of the hit under `load` on a rig of bars.
     pub(super) fn mode_counts(
         &self,
         rig: &PreparedRig,
         load: &LoadCase,
     ) -> Result<Vec<usize>, SimulationError> {
-        match &self.resolution {
-            Some(resolution) => Ok(resolution.counts.clone()),
-            None => Ok(rig.case.mode_counts(&rig.case.modal().unwrap_or_default(), load)?),
+        if let Some(resolution) = &self.resolution {
+            return Ok(resolution.counts.clone());
         }
+        let bars = rig.bars()?;
+        Ok(bars.mode_counts(&bars.modal().unwrap_or_default(), load)?)
     }
 }

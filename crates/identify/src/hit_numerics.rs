@@ -2,11 +2,11 @@
 
 use asperity_inference::{ForwardModel as _, Observation};
 use asperity_simulation::error::SimulationError;
-use asperity_simulation::error_control::ConvergedRun;
 use asperity_simulation::quantity::Quantity;
 use asperity_simulation::warning::Warning;
 use serde::Serialize;
 
+use crate::hit::{ConvergedHit, HitResolution};
 use crate::observed_quantity::ObservedQuantity;
 use crate::scenario_model::ScenarioModel;
 
@@ -33,15 +33,16 @@ pub struct HitNumerics {
 impl HitNumerics {
     /// The numerics of all hits of a model, `converged` at one point; hits that fail there are
     /// left out.
-    fn of(model: &ScenarioModel, converged: &[Result<ConvergedRun, SimulationError>]) -> Vec<Self> {
+    fn of(model: &ScenarioModel, converged: &[Result<ConvergedHit, SimulationError>]) -> Vec<Self> {
         let hits = model.hits.iter().zip(converged);
         let numerics = hits.filter_map(|(hit, converged)| {
-            let ConvergedRun { case, observables, counts, .. } = converged.as_ref().ok()?;
+            let ConvergedHit { peak, resolution, observables } = converged.as_ref().ok()?;
+            let HitResolution { step, counts, .. } = resolution.as_ref()?;
             let number = |quantity| observables.get(quantity, None);
             Some(Self {
                 data: hit.data.clone(),
-                peak_n: case.load.peak(),
-                step_s: case.step?,
+                peak_n: *peak,
+                step_s: *step,
                 modes_per_body: counts.clone(),
                 estimated_error: number(Quantity::EstimatedError).filter(|error| error.is_finite()),
                 sensitive_from_s: number(Quantity::SensitiveFrom),
@@ -101,7 +102,7 @@ impl FeatureErrors {
     /// The errors of each observed feature of the hits, `converged` at one point.
     fn all(
         model: &ScenarioModel,
-        converged: &[Result<ConvergedRun, SimulationError>],
+        converged: &[Result<ConvergedHit, SimulationError>],
         observations: &[Observation],
     ) -> Vec<Self> {
         let mut found: Vec<Self> = Vec::new();

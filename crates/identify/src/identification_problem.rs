@@ -11,7 +11,10 @@ use crate::error::IdentificationError;
 use crate::problem::{DataSpec, LossSpec, ProblemSpec, ScenarioRef, problem_schema};
 use crate::records::record_files;
 use crate::work::Work;
-use asperity_scenario::{Document, ExcitationSpec, InvalidDocument, validate_json};
+use asperity_scenario::{
+    Document, ExcitationSpec, InvalidDocument, StructureScenario, has_matrices, validate_json,
+};
+use asperity_simulation::patches::ReducedStructures;
 use asperity_simulation::provenance::InputFile;
 
 /// Relative reduction of the cost at which a fit has converged.
@@ -37,6 +40,8 @@ pub struct IdentificationProblem {
     /// Notices on replaced settings.
     pub(super) notices: Vec<String>,
     pub(super) work: Arc<Work>,
+    /// Reductions of a structure of matrices, read or made once.
+    pub(super) reductions: Arc<ReducedStructures>,
     /// True without profiles, comparison and explanations.
     pub(super) is_fast: bool,
 }
@@ -65,6 +70,13 @@ impl IdentificationProblem {
         if let Some(samples) = excitation.ok().as_ref().and_then(ExcitationSpec::samples) {
             files.push(InputFile::read(self.scenario_folder(), samples.file.as_ref())?);
         }
+        if has_matrices(&self.scenario)
+            && let Ok(structure) = StructureScenario::deserialize(&self.scenario)
+        {
+            for file in structure.files() {
+                files.push(InputFile::read(self.scenario_folder(), file.as_ref())?);
+            }
+        }
         let folder = self.document.folder();
         for data in &self.spec.data {
             if let DataSpec::Records { files: records, .. } = data {
@@ -90,7 +102,7 @@ impl IdentificationProblem {
         let (mut scenario, scenario_path, scenario_sha256) = match &spec.scenario {
             ScenarioRef::File(file) => {
                 let scenario = Document::read(document.folder().join(file))?;
-                scenario.scenario()?;
+                scenario.any_scenario()?;
                 (scenario.value().clone(), scenario.path().to_owned(), scenario.sha256())
             }
             ScenarioRef::InPlace(scenario) => {
@@ -126,6 +138,7 @@ impl IdentificationProblem {
             scenario_sha256,
             notices,
             work,
+            reductions: Arc::default(),
             is_fast,
         })
     }

@@ -339,18 +339,12 @@ impl Reached {
         let own = interfaces.filter(|(_, interface)| interface["law"].as_str() == Some(law));
         let own: Vec<usize> = own.map(|(index, _)| index).collect();
         let mut ranges: Vec<[f64; 2]> = Vec::new();
-        for (hit, outcome) in forward.hits.iter().zip(&outcomes.hits) {
-            let contacts = rigs[hit.rig].case.assembly.structure.contacts();
-            ranges.extend(own.iter().map(|&i| {
-                ["min", "max"].map(|end| {
-                    let name = format!("interfaces.{}.pressure_{end}_pa", contacts[i].name());
-                    forward.columns.find(&name).map_or(f64::NAN, |column| outcome.columns[column])
-                })
-            }));
+        for outcome in &outcomes.hits {
+            ranges.extend(own.iter().map(|&i| outcome.pressures[i]));
         }
         for sweep in &forward.sweeps {
             let responses = sweep.responses(&rigs, sweep.sensors.gains(point))?;
-            let found = SimulatedSweep::pressures(&rigs[sweep.rig], &responses);
+            let found = SimulatedSweep::pressures(&rigs[sweep.rig], &responses)?;
             ranges.extend(own.iter().map(|&i| found[i]));
         }
         let measured = forward.stiffness.iter().filter(|(of_law, _)| of_law == law);
@@ -360,7 +354,7 @@ impl Reached {
         let mut used = forward.hits.iter().map(|hit| hit.rig);
         let rig = used.next().or_else(|| forward.sweeps.first().map(|sweep| sweep.rig));
         let at_rest = rig.zip(own.first());
-        let at_rest = at_rest.map(|(rig, &i)| rigs[rig].case.at_rest.interfaces[i].pressure_pa);
+        let at_rest = at_rest.map(|(rig, &i)| rigs[rig].at_rest().interfaces[i].pressure_pa);
         let at_rest = at_rest.unwrap_or(0.5 * (low.min(high) + high));
         Ok(Self { range: [low.min(high), high], at_rest })
     }

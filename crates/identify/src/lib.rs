@@ -21,6 +21,7 @@
 //! | `stepped_sine` | steady responses to a shaker, measured and simulated |
 //! | `scenario_laws` | the named laws of a scenario and their stiffnesses |
 //! | `hit`, `observed_quantity`, `scenario_model` | simulated hits and their results at a point |
+//! | `structure_hits` | hits on structures of matrices |
 //! | `forward_model`, `derivatives` | predictions in batches, and their exact derivatives |
 //! | `built_model`, `build` | models with their observations: of the problem, of compared laws, of planned hits |
 //! | `identification`, `hit_numerics` | fit, uncertainty, comparison; estimated errors of the simulated hits |
@@ -81,6 +82,7 @@ mod scenario_laws;
 mod scenario_model;
 mod starts;
 mod stepped_sine;
+mod structure_hits;
 #[cfg(test)]
 mod tests;
 mod work;

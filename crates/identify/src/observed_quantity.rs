@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use asperity_signal::{BackboneOptions, BackbonePoint, BandPass, Complex64, backbone};
 
 use crate::problem_parameters::Gains;
-use asperity_simulation::quantity::{Observable, observable_names};
+use asperity_simulation::quantity::{observable_names, unit_of};
 
 /// The quantity of one observation.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,6 +77,8 @@ pub(super) struct HitOutcome {
     pub(super) receptance: Vec<Complex64>,
     /// The backbone, if requested, in the order of time.
     pub(super) backbone: Vec<BackbonePoint>,
+    /// Lowest and highest pressure \[Pa\] at each interface, of a cell of a patch; empty in derivatives.
+    pub(super) pressures: Vec<[f64; 2]>,
 }
 
 /// Results at one point.
@@ -98,12 +100,10 @@ pub(super) struct SummaryColumns {
 }
 
 impl SummaryColumns {
-    pub(super) fn new(interfaces: &[&str]) -> Self {
-        let names = observable_names(interfaces, &[], false);
-        let receptance = Observable::all(interfaces.len())
-            .iter()
-            .map(|observable| observable.quantity.unit() == "m/N")
-            .collect();
+    /// The numbers of a structure with these interfaces, and with these sensors after the first.
+    pub(super) fn new(interfaces: &[&str], further: &[&str]) -> Self {
+        let names = observable_names(interfaces, further, false);
+        let receptance = names.iter().map(|name| unit_of(name) == "m/N").collect();
         Self { names, receptance }
     }
 

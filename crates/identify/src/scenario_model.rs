@@ -8,7 +8,7 @@ use asperity_inference::{Observation, Parameter};
 use asperity_signal::Complex64;
 use serde_json::Value;
 
-use crate::hit::{HitForce, HitResolution, PreparedRig, SimulatedHit};
+use crate::hit::{ConvergedHit, HitForce, HitResolution, PreparedRig, SimulatedHit};
 use crate::observed_quantity::{
     HitOutcome, ObservedQuantity, PointOutcomes, SummaryColumns, backbone_of,
 };
@@ -16,10 +16,11 @@ use crate::problem_parameters::{Gains, ProblemParameters};
 use crate::scenario_laws::stiffness_curve;
 use crate::stepped_sine::SimulatedSweep;
 use crate::work::Work;
-use asperity_scenario::Laws;
+use asperity_scenario::{Laws, has_matrices};
 use asperity_simulation::error::SimulationError;
 use asperity_simulation::error_control::{ConvergedRun, ErrorControl, RunRequest};
 use asperity_simulation::observable_extractor::ObservableExtractor;
+use asperity_simulation::patches::ReducedStructures;
 use asperity_simulation::quantity::Quantity;
 
 /// A scenario with parameters, simulated hits and observed quantities.
@@ -29,6 +30,8 @@ pub(super) struct ScenarioModel {
     /// The scenario without the changes of any data.
     pub(super) scenario: Value,
     pub(super) folder: PathBuf,
+    /// Reductions of structures of matrices.
+    pub(super) reductions: Arc<ReducedStructures>,
     /// Scenarios with the changes of some data.
     pub(super) rigs: Vec<Value>,
     pub(super) hits: Vec<SimulatedHit>,
@@ -51,8 +54,14 @@ const MOST_HALVINGS: usize = 4;
 impl ScenarioModel {
     /// Every rig at `point`.
     pub(super) fn prepare(&self, point: &[f64]) -> Result<Vec<PreparedRig>, SimulationError> {
-        let prepare = |rig| PreparedRig::new(rig, &self.parameters, point, &self.folder);
+        let files = (&*self.folder, &*self.reductions);
+        let prepare = |rig| PreparedRig::new(rig, &self.parameters, point, files);
         self.rigs.iter().map(prepare).collect()
+    }
+
+    /// True for a structure of matrices.
+    pub(super) fn is_structure(&self) -> bool {
+        has_matrices(&self.scenario)
     }
 
     /// The gains of every hit's sensors at `point`.
@@ -65,6 +74,9 @@ impl ScenarioModel {
         &self,
         points: &[Vec<f64>],
     ) -> Vec<Result<PointOutcomes, SimulationError>> {
+        if self.is_structure() {
+            return points.iter().map(|point| self.structure_outcomes(point)).collect();
+        }
         let prepared: Vec<Result<Ready, SimulationError>> =
             points.iter().map(|point| self.prepare_hits(point)).collect();
         let count = self.hits.len();
@@ -73,7 +85,7 @@ impl ScenarioModel {
             ready.iter().flat_map(|(_, simulations)| simulations).cloned().collect();
         let decimation = |index: usize, step: f64| {
             let (point, hit) = (index / count, &self.hits[index % count]);
-            let natural = ready[point].0[hit.rig].case.at_rest.natural_frequency_hz;
+            let natural = ready[point].0[hit.rig].at_rest().natural_frequency_hz;
             let highest = hit.frequencies.iter().copied().fold(0.0, f64::max);
             self.extractor.decimation(natural, highest, step)
         };
@@ -93,7 +105,7 @@ impl ScenarioModel {
     }
 
     /// The steady responses at `point` as the sensors show them \[m\].
-    fn steady(
+    pub(super) fn steady(
         &self,
         rigs: &[PreparedRig],
         point: &[f64],
@@ -124,8 +136,12 @@ impl ScenarioModel {
     pub(super) fn converged(
         &self,
         point: &[f64],
-    ) -> Result<Vec<Result<ConvergedRun, SimulationError>>, SimulationError> {
-        Ok(ErrorControl::new(self.batch).run(&self.requests(point)?))
+    ) -> Result<Vec<Result<ConvergedHit, SimulationError>>, SimulationError> {
+        if self.is_structure() {
+            return self.converged_structure(point);
+        }
+        let runs = ErrorControl::new(self.batch).run(&self.requests(point)?).into_iter();
+        Ok(runs.map(|run| run.map(ConvergedHit::from)).collect())
     }
 
     /// The hits at `point` as requests of an accuracy.
@@ -134,7 +150,7 @@ impl ScenarioModel {
         let request = |hit: &SimulatedHit| -> Result<RunRequest, SimulationError> {
             let rig = &rigs[hit.rig];
             let load = hit.load(rig, hit.sensors.gains(point), &self.folder)?;
-            let (prepared, duration) = (Arc::clone(&rig.case), hit.duration);
+            let (prepared, duration) = (Arc::clone(rig.bars()?), hit.duration);
             Ok(RunRequest { prepared, load, sensor: 0, duration, near: None })
         };
         self.hits.iter().map(request).collect()
@@ -142,15 +158,13 @@ impl ScenarioModel {
 
     /// Holds step and modes of every hit: the step and modes of its `converged` run. A hit that cannot be
     /// integrated has a step of its own at every point. True if any is finer than before.
-    pub(super) fn hold(&mut self, converged: &[Result<ConvergedRun, SimulationError>]) -> bool {
+    pub(super) fn hold(&mut self, converged: &[Result<ConvergedHit, SimulationError>]) -> bool {
         let mut finer = false;
         for (hit, run) in self.hits.iter_mut().zip(converged) {
-            let Ok(ConvergedRun { case, counts, .. }) = run else { continue };
-            let Some(step) = case.step else { continue };
-            let asked = HitResolution { step, tolerance: case.tolerance, counts: counts.clone() };
-            if !hit.resolution.as_ref().is_some_and(|held| held.covers(&asked)) {
+            let Ok(ConvergedHit { resolution: Some(asked), .. }) = run else { continue };
+            if !hit.resolution.as_ref().is_some_and(|held| held.covers(asked)) {
                 finer = true;
-                hit.resolution = Some(asked);
+                hit.resolution = Some(asked.clone());
             }
         }
         self.share_resolution_of_records();
@@ -160,6 +174,10 @@ impl ScenarioModel {
     /// Gives recorded hits of one rig and duration common steps and modes, none coarser: a step of its
     /// own for each record would need tables of its own, and an integration of its own.
     fn share_resolution_of_records(&mut self) {
+        if self.is_structure() {
+            // Their steps are parts of the time between samples.
+            return;
+        }
         let is_recorded = |hit: &SimulatedHit| {
             let at_equal_steps = hit.resolution.as_ref().is_none_or(|own| own.tolerance.is_none());
             at_equal_steps && matches!(hit.force, HitForce::Record { .. })
@@ -216,7 +234,7 @@ impl ScenarioModel {
 
     /// The natural frequency of the first rig at `point` \[Hz\].
     pub(super) fn natural_frequency(&self, point: &[f64]) -> Option<f64> {
-        self.prepare(point).ok()?.first()?.case.at_rest.natural_frequency_hz
+        self.prepare(point).ok()?.first()?.at_rest().natural_frequency_hz
     }
 
     /// The model with a change of the scenario and of every rig.
@@ -230,6 +248,7 @@ impl ScenarioModel {
             parameters: self.parameters.clone(),
             scenario: changed(&self.scenario),
             folder: self.folder.clone(),
+            reductions: Arc::clone(&self.reductions),
             rigs: self.rigs.iter().map(changed).collect(),
             hits: self.hits.clone(),
             quantities: self.quantities.clone(),
@@ -252,6 +271,9 @@ impl ScenarioModel {
     /// its end is refined. A refinement at a start far from the data may cost much in vain. A first step
     /// that does not keep the energy is halved.
     pub(super) fn hold_first(&mut self) {
+        if self.is_structure() {
+            return self.hold_first_of_structure();
+        }
         let Ok(requests) = self.requests(&self.start()) else { return };
         for (hit, request) in self.hits.iter_mut().zip(&requests) {
             if let Ok((TransientCase { step: Some(step), .. }, counts)) =
@@ -285,7 +307,7 @@ impl ScenarioModel {
     ) -> Result<Vec<Result<CaseResponse, DynamicsError>>, SimulationError> {
         let (rigs, simulations) = self.prepare_hits(point)?;
         let decimation = |index: usize, step: f64| {
-            let natural = rigs[self.hits[index].rig].case.at_rest.natural_frequency_hz;
+            let natural = rigs[self.hits[index].rig].at_rest().natural_frequency_hz;
             self.extractor.decimation(natural, 0.0, step)
         };
         Ok(self.batch.run(&simulations, &decimation))
@@ -308,7 +330,7 @@ impl ScenarioModel {
         hit: &SimulatedHit,
         simulation: &TransientCase,
     ) -> Result<HitOutcome, SimulationError> {
-        let natural = rig.case.at_rest.natural_frequency_hz;
+        let natural = rig.at_rest().natural_frequency_hz;
         let highest = hit.frequencies.iter().copied().fold(0.0, f64::max);
         let decimation = |_, step: f64| self.extractor.decimation(natural, highest, step);
         let records = self.batch.run(std::slice::from_ref(simulation), &decimation);
@@ -325,10 +347,16 @@ impl ScenarioModel {
         simulation: &TransientCase,
         record: &CaseResponse,
     ) -> Result<HitOutcome, SimulationError> {
-        let observables = self.extractor.observables(&rig.case, simulation, record)?;
+        let bars = rig.bars()?;
+        let observables = self.extractor.observables(bars, simulation, record)?;
         let fundamental = observables.get(Quantity::FundamentalFrequency, None);
+        let pressure = |interface: usize| {
+            let ends = [Quantity::PressureMin, Quantity::PressureMax];
+            ends.map(|end| observables.get(end, Some(interface)).unwrap_or(f64::NAN))
+        };
+        let pressures = (0..bars.at_rest.interfaces.len()).map(pressure).collect();
         let mut outcome =
-            HitOutcome { columns: observables.values.into(), ..HitOutcome::default() };
+            HitOutcome { columns: observables.values.into(), pressures, ..HitOutcome::default() };
         if !hit.frequencies.is_empty() {
             let found = self.extractor.receptance(simulation, record, &hit.frequencies);
             outcome.receptance = found.unwrap_or_default();
@@ -412,6 +440,15 @@ impl ScenarioModel {
         self.parameters.write(&mut scenario, point).map_err(|error| fail(error.to_string()))?;
         let laws = scenario.get_mut("laws").map(Value::take).unwrap_or_default();
         serde_json::from_value(laws).map_err(|error| fail(error.to_string()))
+    }
+}
+
+impl From<ConvergedRun> for ConvergedHit {
+    fn from(run: ConvergedRun) -> Self {
+        let ConvergedRun { case, observables, counts, .. } = run;
+        let resolution =
+            |step| HitResolution { step, tolerance: case.tolerance, counts: counts.clone() };
+        Self { peak: case.load.peak(), resolution: case.step.map(resolution), observables }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use asperity_dynamics::{STENCIL, central_difference};
 use asperity_harmonic::{
-    ContactSystem, Drive, LawEvaluation, SineResponse, SineVariation, SteppedSineSolver,
+    ContactSystem, Drive, LawEvaluation, SineResponse, SineVariation, SteppedSineSolver, SystemPort,
 };
 use asperity_signal::Complex64;
 use rayon::prelude::*;
@@ -13,9 +13,13 @@ use crate::hit::PreparedRig;
 use crate::problem::Changes;
 use crate::problem_parameters::{Gains, Sensors};
 use asperity_simulation::error::SimulationError;
+use asperity_simulation::patches::{Patch, PatchStructure, PatchSystem};
 
 /// Least relative change of the force at which a new level begins, in a table without levels.
 const NEW_LEVEL: f64 = 0.1;
+
+/// The error of a sensor at another place than the force.
+const ONE_PLACE: &str = "stepped_sine data are the response at the place of the force: excitation.at and the first of the sensors must be one place";
 
 /// A measured response.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,15 +115,33 @@ impl SimulatedSweep {
         rig: &PreparedRig,
         laws: LawEvaluation,
     ) -> Result<ContactSystem, SimulationError> {
-        let assembly = &rig.case.assembly;
+        if let Ok(system) = rig.structure() {
+            return Self::of_patches(system, laws);
+        }
+        let assembly = &rig.bars()?.assembly;
         let (load, sensors) = (rig.load_port(&self.set)?, assembly.sensor_ports());
         if sensors.first() != Some(&load) {
-            let text = "stepped_sine data are the response at the place of the force: excitation.at and \
-                        the first of the sensors must be one place";
-            return Err(SimulationError::Scenario(text.to_owned()));
+            return Err(SimulationError::Scenario(ONE_PLACE.to_owned()));
         }
         let system = ContactSystem::of_structure(&assembly.structure, laws)?;
         Ok(system.with_ports(load, &[load])?)
+    }
+
+    /// A structure of matrices, read along its force.
+    fn of_patches(
+        system: &PatchSystem,
+        laws: LawEvaluation,
+    ) -> Result<ContactSystem, SimulationError> {
+        let PatchStructure { structure, load, sensors, .. } = &system.assembly.structure;
+        let modes = structure.component_modes().modes();
+        let is_there = |sensor: &usize| {
+            modes.iter().all(|mode| mode.ports[*sensor].abs() == mode.ports[*load].abs())
+        };
+        if !sensors.first().is_some_and(is_there) {
+            return Err(SimulationError::Scenario(ONE_PLACE.to_owned()));
+        }
+        let port = SystemPort::Number(*load);
+        Ok(ContactSystem::of_structure(&**structure, laws)?.with_ports(port, &[port])?)
     }
 
     fn drive(drive: Drive, gains: Gains) -> Drive {
@@ -195,19 +217,31 @@ impl SimulatedSweep {
         Ok((responses.iter().map(shown).collect(), derivatives))
     }
 
-    /// Lowest and highest pressure \[Pa\] of each interface in `responses`.
+    /// Lowest and highest pressure \[Pa\] at each interface in `responses`, of a cell of a patch.
     pub(super) fn pressures(
         rig: &PreparedRig,
         responses: &[Option<SineResponse>],
-    ) -> Vec<[f64; 2]> {
-        let contacts = rig.case.assembly.structure.contacts().iter().enumerate();
+    ) -> Result<Vec<[f64; 2]>, SimulationError> {
+        let structure = rig.structure().ok();
+        let contacts = match structure {
+            Some(system) => system.assembly.structure.structure.contacts(),
+            None => rig.bars()?.assembly.structure.contacts(),
+        };
         let of = |(i, contact): (usize, &asperity_structure::PreloadedContact)| {
             let ranges = || responses.iter().flatten().map(move |one| one.closure_range[i]);
             let low = ranges().map(|range| range[0]).fold(f64::INFINITY, f64::min);
             let high = ranges().map(|range| range[1]).fold(f64::NEG_INFINITY, f64::max);
             [low, high].map(|closure| contact.pressure_at(closure))
         };
-        contacts.map(of).collect()
+        let all: Vec<[f64; 2]> = contacts.iter().enumerate().map(of).collect();
+        let Some(system) = structure else { return Ok(all) };
+        let of_patch = |patch: &Patch| {
+            let cells = all[patch.cells.clone()].iter();
+            cells.fold([f64::INFINITY, 0.0], |range: [f64; 2], cell| {
+                [range[0].min(cell[0]), range[1].max(cell[1])]
+            })
+        };
+        Ok(system.assembly.structure.patches.iter().map(of_patch).collect())
     }
 }
 

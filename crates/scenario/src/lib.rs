@@ -90,6 +90,6 @@ pub use structure_scenario::{
     StaticLoadSpec, StructureScenario, SurfaceSpec, UnitsSpec, structure_schema,
 };
 pub use validate::{
-    MAX_CELLS, MAX_HISTORY_NUMBERS, MAX_STEPS, MIN_SAMPLES, validate, validate_json,
+    MAX_CELLS, MAX_HISTORY_NUMBERS, MAX_STEPS, MIN_SAMPLES, has_matrices, validate, validate_json,
 };
 pub use wording::{digits_apart, four_digits, with_digits};

@@ -47,8 +47,8 @@ pub fn validate_json(scenario: &Value, folder: &Path) -> Vec<Diagnostic> {
     }
 }
 
-/// True if a body of a scenario is given by matrices.
-pub(crate) fn has_matrices(scenario: &Value) -> bool {
+/// True if a body of the JSON value of a scenario is given by matrices.
+pub fn has_matrices(scenario: &Value) -> bool {
     let bodies = scenario.get("bodies").and_then(Value::as_array);
     bodies.is_some_and(|bodies| bodies.iter().any(|body| body.get("matrices").is_some()))
 }
@@ -63,6 +63,7 @@ pub(crate) fn check(scenario: &Value, folder: &Path) -> Vec<Diagnostic> {
     damping::check(&root, &mut found);
     extent::check(&root, &mut found);
     loads::check(&root, folder, &mut found);
+    loads::no_direction(&root, &mut found);
     found
 }
 

@@ -45,6 +45,8 @@ pub struct Sensor {
     pub port: Port,
     /// Quantity that it reads.
     pub kind: SensorKind,
+    /// Part of a motion of the base that it reads: the cosine of the angle between both directions; 1 for bars.
+    pub base_share: f64,
 }
 
 /// Structures whose interfaces are contacts at rest.
@@ -193,11 +195,22 @@ pub fn load_case(
     Ok(load)
 }
 
-/// The function of time in a file of samples, which is looked for in `folder`.
-pub(crate) fn samples_of(
-    file: SamplesFile<'_>,
+/// The load that `spec` describes at a `port`; sample files are looked for in `folder`.
+///
+/// # Errors
+/// As [`load_case`].
+pub fn load_case_at(
+    spec: &ExcitationSpec,
+    port: Port,
     folder: &Path,
-) -> Result<SampledFunction, SimulationError> {
+) -> Result<LoadCase, SimulationError> {
+    let load = spec.load_case_at(port, |file| samples_of(file, folder))?;
+    load.check()?;
+    Ok(load)
+}
+
+/// The function of time in a file of samples, which is looked for in `folder`.
+fn samples_of(file: SamplesFile<'_>, folder: &Path) -> Result<SampledFunction, SimulationError> {
     let path = folder.join(file.file);
     let samples = LoadSamples::read(&path, file.column);
     let samples = match (samples, file.peak) {
@@ -212,11 +225,11 @@ pub(crate) fn samples_of(
 fn sensors(scenario: &Scenario, bodies: &[Body]) -> Result<Vec<Sensor>, SimulationError> {
     if scenario.sensors.is_empty() {
         let kind = SensorKind::Displacement;
-        return Ok(vec![Sensor { name: None, port: Port::TOP, kind }]);
+        return Ok(vec![Sensor { name: None, port: Port::TOP, kind, base_share: 1.0 }]);
     }
     let sensor = |spec: &SensorSpec| {
         let port = spec.at.as_ref().map_or(Ok(Port::TOP), |at| at.port(bodies))?;
-        Ok(Sensor { name: Some(spec.name.clone()), port, kind: spec.kind })
+        Ok(Sensor { name: Some(spec.name.clone()), port, kind: spec.kind, base_share: 1.0 })
     };
     scenario.sensors.iter().map(sensor).collect()
 }

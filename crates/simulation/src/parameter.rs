@@ -1,6 +1,6 @@
 //! Parameters: numbers of a scenario that a response depends on, by JSON Pointer.
 
-use asperity_scenario::{JsonPointer, PointerError};
+use asperity_scenario::{JsonPointer, PointerError, has_matrices};
 use serde::Serialize;
 use serde_json::Value;
 use thiserror::Error;
@@ -44,7 +44,7 @@ impl ScenarioParameter {
         let pointer = pointer.to_owned();
         let parts: JsonPointer = pointer.parse()?;
         let first = parts.parts().first().map(String::as_str).unwrap_or_default();
-        if SETTINGS.contains(&first) {
+        if SETTINGS.contains(&first) || is_of_reduction(scenario, &pointer) {
             return Err(ParameterError::Setting(pointer));
         }
         match scenario.pointer(&pointer).and_then(Value::as_f64) {
@@ -60,6 +60,21 @@ impl ScenarioParameter {
         let mut parts = self.pointer.split('/').skip(1);
         parts.next() == Some("laws") || parts.nth(1) == Some("law")
     }
+}
+
+/// True for a number of a structure of matrices that its reduction depends on, or its accuracy: of its bodies, places,
+/// directions and divisions of patches.
+pub fn is_of_reduction(scenario: &Value, pointer: &str) -> bool {
+    let parts: Vec<&str> = pointer.split('/').skip(1).collect();
+    has_matrices(scenario)
+        && matches!(
+            parts[..],
+            ["bodies" | "held" | "sensors" | "accuracy", ..]
+                | ["interfaces", _, "split" | "along", ..]
+                | ["loads", _, "node" | "direction", ..]
+                | ["springs", _, "from" | "to", ..]
+                | ["excitation", "at" | "direction", ..]
+        )
 }
 
 #[cfg(test)]
@@ -81,5 +96,27 @@ mod tests {
         assert!(matches!(find("/laws/pl"), Err(ParameterError::NotANumber { .. })));
         assert!(matches!(find("/duration_s"), Err(ParameterError::Setting { .. })));
         assert!(matches!(find("duration_s"), Err(ParameterError::Pointer(_))));
+    }
+
+    #[test]
+    fn numbers_of_a_reduction_are_settings() {
+        let scenario = json!({
+            "bodies": [{"matrices": {}, "reduction": {"modes": 30}}],
+            "loads": [{"direction": [0, 0, -1], "force_n": 40}],
+            "interfaces": [{"split": [6, 2], "initial_gap_m": 1e-6}],
+            "excitation": {"peak_n": 5, "at": {"node": 12}}
+        });
+        let find = |pointer: &str| ScenarioParameter::of_scenario(&scenario, pointer);
+        for number in ["/loads/0/force_n", "/interfaces/0/initial_gap_m", "/excitation/peak_n"] {
+            assert!(find(number).is_ok(), "{number}");
+        }
+        for setting in [
+            "/bodies/0/reduction/modes",
+            "/loads/0/direction/2",
+            "/interfaces/0/split/0",
+            "/excitation/at/node",
+        ] {
+            assert!(matches!(find(setting), Err(ParameterError::Setting(_))), "{setting}");
+        }
     }
 }

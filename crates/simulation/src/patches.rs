@@ -31,6 +31,9 @@ pub use modes::{PatchModes, patch_modes};
 pub use patch_map::{CellPlace, PatchMap, patch_grid, patch_maps};
 pub use ports::Patch;
 pub(crate) use rows::PatchRows;
-pub use run::{CellCounts, CellSummary, PatchRun, PatchSummary, Truncation, simulate_patches};
+pub use run::{
+    CellCounts, CellSummary, PatchResponse, PatchRun, PatchSummary, PatchSystem,
+    RefinedPatchResponse, Truncation, simulate_patches,
+};
 pub use steady::steady_cells;
-pub use structure::{PatchStructure, assemble_patches};
+pub use structure::{PatchStructure, ReducedStructure, ReducedStructures, assemble_patches};

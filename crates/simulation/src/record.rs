@@ -97,7 +97,8 @@ fn read(sensor: &SensorHistory, kind: SensorKind) -> &[f64] {
 fn absolute<S>(run: &Run<S>, sensor: usize, kind: SensorKind) -> Vec<f64> {
     let history = &run.transient.history;
     let relative = read(&history.sensors[sensor], kind);
-    let base = |time: f64| run.assembly.load.base_at(time)[kind as usize];
+    let share = run.assembly.sensors[sensor].base_share;
+    let base = |time: f64| share * run.assembly.load.base_at(time)[kind as usize];
     history.time.iter().zip(relative).map(|(&time, relative)| relative + base(time)).collect()
 }
 
@@ -131,7 +132,7 @@ pub fn frf_columns<S: Interfaces>(run: &Run<S>) -> Result<Option<FrfColumns>, Si
                 &mut columns,
                 &format!("{prefix}transmissibility_"),
                 "",
-                &transmissibility(&frf),
+                &transmissibility(&frf, sensor.base_share),
             );
             push_frf(&mut columns, &format!("{prefix}relative_"), "_s2", &frf);
         } else {

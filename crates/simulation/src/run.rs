@@ -144,9 +144,11 @@ pub fn receptance<S: Interfaces>(
 }
 
 /// The transmissibility at a sensor: its absolute motion over the motion of the base, from the `frf` of
-/// its relative displacement per base acceleration, `1 - (2 pi f)^2 H`.
-pub fn transmissibility(frf: &Frf) -> Frf {
+/// its relative displacement per base acceleration, `s - (2 pi f)^2 H` with the part `s` of the motion of the base
+/// that the sensor reads.
+pub fn transmissibility(frf: &Frf, base_share: f64) -> Frf {
     let pairs = frf.frequency_hz.iter().zip(&frf.values);
-    let value = |(frequency, value): (&f64, &Complex64)| 1.0 - (TAU * frequency).powi(2) * value;
+    let value =
+        |(frequency, value): (&f64, &Complex64)| base_share - (TAU * frequency).powi(2) * value;
     Frf { values: pairs.map(value).collect(), ..frf.clone() }
 }

@@ -162,6 +162,8 @@ pub struct Steady {
     pub is_base_motion: bool,
     /// Names of the sensors; none for the top of a scenario without sensors.
     pub sensors: Vec<Option<String>>,
+    /// Part of a motion of the base that each sensor reads.
+    pub base_shares: Vec<f64>,
     /// Time of the whole computation \[s\].
     pub wall_s: f64,
 }
@@ -268,6 +270,7 @@ pub fn steady_with_progress<S: Shaken>(
         time_sweeps,
         is_base_motion: assembly.load.base().is_some(),
         sensors: assembly.sensors.iter().map(|sensor| sensor.name.clone()).collect(),
+        base_shares: assembly.sensors.iter().map(|sensor| sensor.base_share).collect(),
         wall_s: started.elapsed().as_secs_f64(),
     })
 }

@@ -137,7 +137,7 @@ fn a_moving_base_gives_absolute_and_relative_motion() {
         assert!((columns[4].1[n] - columns[5].1[n] - base).abs() < 1e-12);
     }
     let frf = receptance(&run, 0).unwrap().unwrap();
-    let through = transmissibility(&frf);
+    let through = transmissibility(&frf, 1.0);
     assert!((through.values[1].norm() - 1.0).abs() < 1e-3, "the rig moves with a slow base");
     let columns = frf_columns(&run).unwrap().unwrap();
     assert_eq!(columns[1].0, "transmissibility_real");

@@ -9,9 +9,13 @@ use std::fs;
 use std::path::Path;
 
 use asperity_scenario::Document;
+use asperity_signal::Complex64;
 use asperity_simulation::patches::{
     assemble_patches, mesh_modes, patch_grid, patch_maps, patch_modes, simulate_patches,
 };
+use asperity_simulation::record::frf_columns;
+use asperity_simulation::row_simulator::RowSimulator;
+use asperity_simulation::steady::{BodyModel, SteadyRequest, steady, steady_table};
 
 /// Mass \[kg\] and stiffness \[N/m\] of a chain.
 const MASS: f64 = 0.5;
@@ -403,4 +407,131 @@ fn the_reduced_beam_vibrates_as_by_the_reference() {
     let least = run.cells[0].iter().map(|cell| cell.pressure_pa).fold(f64::INFINITY, f64::min);
     assert!((least / 305_605.438_374_5 - 1.0).abs() < 1e-7, "{least}");
     assert!(run.run.transient.energy.residual_relative() < 1e-3);
+}
+
+/// Absolute motion of the masses of a chain over that of its base, by elimination in its complex equations
+/// `(K - w^2 M + i w r M) u = -M a`, `1 - w^2 u / a`; `ends` are the springs of both ends to the base.
+fn transmitted(count: usize, ends: [f64; 2], rate: f64, frequency: f64) -> Vec<Complex64> {
+    let w = TAU * frequency;
+    let inertia = MASS * Complex64::new(-w * w, rate * w);
+    let diagonal = |i: usize| {
+        let below = if i == 0 { ends[0] } else { STIFFNESS };
+        let above = if i + 1 == count { ends[1] } else { STIFFNESS };
+        inertia + below + above
+    };
+    // A tridiagonal matrix, eliminated from the first row on.
+    let (mut pivots, mut right) = (vec![diagonal(0)], vec![Complex64::from(-MASS)]);
+    for i in 1..count {
+        let factor = -STIFFNESS / pivots[i - 1];
+        pivots.push(diagonal(i) + factor * STIFFNESS);
+        right.push(-MASS - factor * right[i - 1]);
+    }
+    let mut u = vec![Complex64::ZERO; count];
+    for i in (0..count).rev() {
+        let next = if i + 1 < count { u[i + 1] } else { Complex64::ZERO };
+        u[i] = (right[i] + STIFFNESS * next) / pivots[i];
+    }
+    u.into_iter().map(|u| 1.0 - w * w * u).collect()
+}
+
+/// Bars move along their axis.
+#[test]
+fn the_direction_of_a_base_is_refused_for_bars() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenarios/shaken-base.json");
+    let mut document = Document::read(path).unwrap();
+    assert!(document.scenario().is_ok());
+    document.set("/excitation/direction", "[0, 0, 1]").unwrap();
+    let found = document.scenario().unwrap_err();
+    let pointers: Vec<&str> = found.diagnostics.iter().map(|one| one.pointer.as_str()).collect();
+    assert_eq!(pointers, ["/excitation/direction"]);
+}
+
+/// A base that moves a chain of four on its contact, two chains of two joined by a spring, and a chain whose last node is
+/// held too: the transmissibility of a pulse and of harmonic balance, at a sensor along the motion and one against it.
+#[test]
+fn a_moving_base_moves_a_chain_as_by_its_equations() {
+    let rate = 400.0;
+    let spring = format!(
+        r#", "springs": [{{"from": {{"body": "a", "node": 2, "direction": [1, 0, 0]}},
+            "to": {{"body": "b", "node": 1, "direction": [1, 0, 0]}}, "stiffness_n_per_m": {STIFFNESS:e}}}]"#
+    );
+    let held = r#", "held": [{"body": "a", "node": 5, "direction": [1, 0, 0]}]"#;
+    let cases = [
+        ([4, 2], &["a"][..], String::new(), ("a", 4), 0.0),
+        ([2, 2], &["a", "b"], spring, ("b", 2), 0.0),
+        ([5, 2], &["a"], held.to_owned(), ("a", 4), STIFFNESS),
+    ];
+    for (counts, bodies, more, (last, node), end) in cases {
+        let folder = tempfile::tempdir().unwrap();
+        write_chains(folder.path(), counts);
+        let text = scenario(bodies, "first.csv", &format!(r#", "accuracy": 1e-4{more}"#));
+        let mut document = Document::parse(&text, folder.path().join("chain.json")).unwrap();
+        let pulse = r#"{"kind": "base_motion", "direction": [3, 0, 0],
+            "acceleration": {"kind": "haversine", "peak_m_per_s2": 2, "duration_s": 1e-3}}"#;
+        let against = format!(
+            r#"{{"name": "last", "kind": "acceleration", "at": {{"body": "{last}", "node": {node}, "direction": [-1, 0, 0]}}}}"#
+        );
+        for (pointer, value) in [
+            ("/excitation", pulse),
+            ("/sensors/-", &against),
+            ("/damping/rate_per_s", &rate.to_string()),
+            ("/duration_s", "0.1"),
+        ] {
+            document.set(pointer, value).unwrap();
+        }
+        let typed = document.structure_scenario().unwrap();
+        let run = simulate_patches(&document, &typed, &|_| ()).unwrap().run;
+        let columns = frf_columns(&run).unwrap().unwrap();
+        let column = |name: &str| &columns.iter().find(|(own, _)| own == name).unwrap().1;
+        let exact = |frequency: f64| transmitted(4, [STIFFNESS, end], rate, frequency);
+        for (i, &frequency) in column("frequency_hz").iter().enumerate() {
+            if !(20.0..500.0).contains(&frequency) {
+                continue;
+            }
+            let expected = exact(frequency);
+            for (name, expected) in
+                [("transmissibility_", expected[1]), ("last:transmissibility_", -expected[3])]
+            {
+                let part = |part: &str| column(&format!("{name}{part}"))[i];
+                let found = Complex64::new(part("real"), part("imag"));
+                let off = (found - expected).norm() / (1.0 + expected.norm());
+                assert!(off < 2e-3, "{bodies:?} {name} {frequency} Hz: {found} {expected}");
+            }
+        }
+        let energy = &run.transient.energy;
+        assert!(energy.residual_relative() < 1e-4, "{energy:?}");
+
+        let assembly = assemble_patches(&typed, document.folder()).unwrap();
+        let request = SteadyRequest {
+            amplitudes: vec![0.5],
+            from_hz: 60.0,
+            to_hz: 400.0,
+            harmonics: Some(2),
+            backbone: false,
+            verify: true,
+            bodies: BodyModel::Auto,
+            time_sweep: None,
+        };
+        let found = steady(&assembly, &request).unwrap();
+        let check = found.levels[0].check.unwrap();
+        assert!(check.settled && check.relative_difference < 1e-3, "{check:?}");
+        let table = steady_table(&found, &["foot"]).to_csv();
+        let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+        let place = |name: &str| header.iter().position(|own| *own == name).unwrap();
+        let places = ["frequency_hz", "transmissibility_1", "last:transmissibility_1"].map(place);
+        for line in table.lines().skip(1) {
+            let row: Vec<&str> = line.split(',').collect();
+            let [frequency, first, other] = places.map(|place| row[place].parse::<f64>().unwrap());
+            let expected = exact(frequency);
+            assert!((first / expected[1].norm() - 1.0).abs() < 1e-7, "{frequency} {first}");
+            assert!((other / expected[3].norm() - 1.0).abs() < 1e-7, "{frequency} {other}");
+        }
+        let rows = RowSimulator::new(document.clone(), vec![]).unwrap();
+        assert!(rows.columns().iter().any(|name| name == "fundamental.receptance_s2"));
+
+        document.set("/excitation/direction", "[0, 0, 0]").unwrap();
+        let typed = document.structure_scenario().unwrap();
+        let found = assemble_patches(&typed, document.folder()).unwrap_err().to_string();
+        assert!(found.contains("/excitation/direction"), "{found}");
+    }
 }

@@ -86,6 +86,10 @@ pub enum ExcitationSpec {
         /// Displacement of the base in m; give this, `acceleration` or `velocity`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         displacement: Option<DisplacementSpec>,
+        /// Direction of the motion of a structure of matrices, along which every support moves; its length does not
+        /// count. Bars move along their axis, downwards.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        direction: Option<[f64; 3]>,
     },
 }
 
@@ -213,9 +217,19 @@ impl ExcitationSpec {
         }
     }
 
+    /// Direction of the motion of the base, if there is one.
+    pub fn base_direction(&self) -> Option<[f64; 3]> {
+        match self {
+            Self::BaseMotion { direction, .. } => *direction,
+            _ => None,
+        }
+    }
+
     /// The quantity of the base that is given, and its function.
     fn base(&self) -> Option<(BaseQuantity, FunctionSpec<'_>)> {
-        let Self::BaseMotion { acceleration, velocity, displacement } = self else { return None };
+        let Self::BaseMotion { acceleration, velocity, displacement, .. } = self else {
+            return None;
+        };
         let acceleration = acceleration.as_ref().map(AccelerationSpec::function);
         let velocity = velocity.as_ref().map(VelocitySpec::function);
         let displacement = displacement.as_ref().map(DisplacementSpec::function);

@@ -148,6 +148,7 @@ fn places(draw: &mut Draw, scenario: &mut Scenario) {
         acceleration: Some(acceleration),
         velocity: None,
         displacement: None,
+        direction: None,
     };
 }
 
@@ -172,7 +173,7 @@ fn law(draw: &mut Draw, pressure: f64, stiffness: f64) -> LawSpec {
     }
 }
 
-fn has_quadrature(law: &LawSpec) -> bool {
+pub(super) fn has_quadrature(law: &LawSpec) -> bool {
     matches!(law, LawSpec::Persson(_))
         || law.inner_laws().any(|inner| match inner {
             LawRef::InPlace(law) => has_quadrature(law),

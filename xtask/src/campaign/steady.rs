@@ -63,12 +63,12 @@ pub(super) struct SteadyJudgement {
 }
 
 impl SteadyJudgement {
-    fn new(of: &'static str, error: f64, tolerance: f64, remark: String) -> Self {
+    pub(super) fn new(of: &'static str, error: f64, tolerance: f64, remark: String) -> Self {
         let class = if error <= tolerance { Class::Right } else { Class::SilentlyWrong };
         Self { of, class, error: Some(error), remark }
     }
 
-    fn without(of: &'static str, class: Class, remark: String) -> Self {
+    pub(super) fn without(of: &'static str, class: Class, remark: String) -> Self {
         Self { of, class, error: None, remark }
     }
 }
@@ -112,7 +112,7 @@ fn judge_all(document: &Document, scenario: &Scenario, draw: &mut Draw) -> Vec<S
     let kind = SensorKind::Displacement;
     let top = Assembly {
         load: LoadCase::none(),
-        sensors: vec![Sensor { name: None, port: Port::TOP, kind }],
+        sensors: vec![Sensor { name: None, port: Port::TOP, kind, base_share: 1.0 }],
         ..assembly.clone()
     };
     found.push(small_force(&top, natural, 1e-4 * 2.0 * ratio * smallest));

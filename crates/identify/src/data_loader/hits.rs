@@ -93,9 +93,12 @@ impl Loader<'_> {
         sets: &[&Changes],
     ) -> Result<(usize, Changes), IdentificationError> {
         let (mut of_rig, mut of_force) = (Changes::new(), Changes::new());
+        let is_structure = self.built.forward.is_structure();
         for (pointer, value) in sets.iter().copied().flatten() {
             self.check_known(place, pointer)?;
-            let force = pointer.starts_with("/excitation/");
+            // The place of a force is a port of a structure of matrices.
+            let is_port = is_structure && is_within(pointer, "/excitation/at");
+            let force = pointer.starts_with("/excitation/") && !is_port;
             let into = if force { &mut of_force } else { &mut of_rig };
             into.insert(pointer.clone(), value.clone());
         }

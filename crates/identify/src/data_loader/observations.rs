@@ -187,11 +187,12 @@ impl Loader<'_> {
     }
 
     pub(super) fn column(&self, place: &str, feature: &str) -> Result<usize, IdentificationError> {
-        // Data need exact derivatives.
-        let known =
-            Quantity::of_name(feature).is_some_and(|(quantity, _)| quantity.has_derivative());
+        // Data of bars need exact derivatives.
+        let is_structure = self.built.forward.is_structure();
+        let is_known = |one: Quantity| one.has_derivative() || is_structure && one.is_feature();
+        let known = Quantity::of_name(feature).is_some_and(|(quantity, _)| is_known(quantity));
         self.built.forward.columns.find(feature).filter(|_| known).ok_or_else(|| {
-            let all = Quantity::ALL.iter().copied().filter(|quantity| quantity.has_derivative());
+            let all = Quantity::ALL.iter().copied().filter(|quantity| is_known(*quantity));
             IdentificationError::Feature {
                 place: place.to_owned(),
                 feature: feature.to_owned(),

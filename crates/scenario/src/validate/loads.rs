@@ -57,6 +57,15 @@ fn place(root: &Node<'_>, at: &Node<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
+/// Bars move along their axis.
+pub(super) fn no_direction(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
+    let direction = root.get("excitation").and_then(|excitation| excitation.get("direction"));
+    if let Some(direction) = direction {
+        let accepted = "no direction: bars move along their axis";
+        found.push(Diagnostic::new(&direction.at, Fault::UnknownKey, accepted));
+    }
+}
+
 fn base_displacement(excitation: &Node<'_>, found: &mut Vec<Diagnostic>) {
     let Some(displacement) = excitation.get("displacement") else { return };
     if displacement.text("kind") == Some("half_sine") {

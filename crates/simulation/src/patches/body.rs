@@ -17,8 +17,8 @@ use crate::error::SimulationError;
 pub(super) struct Body {
     name: String,
     pub(super) matrices: Matrices,
-    /// Forces of gravity on its rows \[N\].
-    pub(super) weight: PortPattern,
+    /// Forces on its rows of a gravity of 1 m/s2 along each axis that has gravity \[kg\].
+    pub(super) weights: [PortPattern; 3],
 }
 
 /// The mesh of a body in metres, if it has one.
@@ -63,15 +63,15 @@ pub(super) fn read_model(
 impl Body {
     /// The body of a reduced model.
     pub(super) fn of_model(name: &str, model: &ReducedModel) -> Result<Self, SimulationError> {
-        Ok(Self { name: name.to_owned(), matrices: model.matrices()?, weight: Vec::new() })
+        Ok(Self { name: name.to_owned(), matrices: model.matrices()?, weights: Default::default() })
     }
 
-    /// The body of the files of `spec`, under `gravity`, with `held` displacements.
+    /// The body of the files of `spec`, under `gravity` along some axes, with `held` displacements.
     pub(super) fn read(
         spec: &MatrixBodySpec,
         folder: &Path,
         deck: Option<&Deck>,
-        gravity: [f64; 3],
+        gravity: [bool; 3],
         held: &[Dof],
     ) -> Result<Self, SimulationError> {
         let MatrixBodySpec { name, matrices, .. } = spec;
@@ -102,12 +102,17 @@ impl Body {
             tracing::info!(body = name, "{finding}");
         }
         // The weight of rows that are held still acts on their neighbours.
-        let weight = read.gravity_loads(gravity, nodes);
+        let unit = |axis: usize| [0, 1, 2].map(|other| f64::from(u8::from(other == axis)));
+        let forces = [0, 1, 2].map(|axis| {
+            if gravity[axis] { read.gravity_loads(unit(axis), nodes) } else { Vec::new() }
+        });
         let all = read.dofs().to_vec();
         let matrices = read.hold(held)?;
-        let own = all.iter().zip(weight).filter(|(_, force)| *force != 0.0);
-        let weight = own.filter_map(|(dof, force)| Some((matrices.row(*dof)?, force))).collect();
-        Ok(Self { name: name.clone(), matrices, weight })
+        let weights = forces.map(|forces| {
+            let own = all.iter().zip(forces).filter(|(_, force)| *force != 0.0);
+            own.filter_map(|(dof, force)| Some((matrices.row(*dof)?, force))).collect()
+        });
+        Ok(Self { name: name.clone(), matrices, weights })
     }
 
     /// The row of a degree of freedom; none if it is held.
@@ -129,19 +134,18 @@ impl Body {
         direction: [f64; 3],
         place: &str,
     ) -> Result<PortPattern, SimulationError> {
-        let length = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
-        if !(length.is_finite() && length > 0.0) {
+        let Some(direction) = unit(direction) else {
             let at = format!("{place}/direction");
             return Err(SimulationError::model(
                 &at,
                 "the direction has no length",
                 "three numbers, not all zero",
             ));
-        }
+        };
         let mut pattern = PortPattern::new();
         for (part, axis) in direction.iter().zip(1_u8..).filter(|(part, _)| **part != 0.0) {
             let row = self.row(Dof::new(node, axis), place)?;
-            pattern.extend(row.map(|row| (row, part / length)));
+            pattern.extend(row.map(|row| (row, *part)));
         }
         if pattern.is_empty() {
             let problem = format!("node {node} of body \"{}\" is held there", self.name);
@@ -167,4 +171,10 @@ fn sparse(matrix: &SparseSymmetric) -> SparseColMat<usize, f64> {
     let (starts, rows) = (matrix.column_starts().to_vec(), matrix.rows().to_vec());
     let symbolic = SymbolicSparseColMat::new_checked(size, size, starts, None, rows);
     SparseColMat::new(symbolic, matrix.values().to_vec())
+}
+
+/// A direction of unit length; none for one without a length.
+pub(super) fn unit(direction: [f64; 3]) -> Option<[f64; 3]> {
+    let length = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
+    (length.is_finite() && length > 0.0).then(|| direction.map(|part| part / length))
 }

@@ -33,7 +33,7 @@ pub struct ReductionKey(String);
 
 impl ReductionKey {
     /// The key of the bodies of `scenario` with their ports: of its bodies with what is held, cells, places and the patterns of its loads,
-    /// whose size does not count, and of all files named there, with their sizes and times of change.
+    /// whose size does not count, as that of gravity does not, and of all files named there, with their sizes and times of change.
     ///
     /// # Errors
     /// [`SimulationError::Input`] for a file that cannot be read.
@@ -55,12 +55,13 @@ impl ReductionKey {
         let parts = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "bodies": bodies,
-            "gravity": gravity_m_per_s2,
+            "gravity": gravity_m_per_s2.map(|g| g != 0.0),
             "loads": loads.iter().map(unit).collect::<Vec<_>>(),
             "cells": cells,
             "springs": springs,
             "held": scenario.held,
             "load": scenario.excitation.at(),
+            "base": scenario.excitation.base_direction(),
             "sensors": places,
         });
         let mut text = parts.to_string();

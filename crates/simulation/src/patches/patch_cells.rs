@@ -1,27 +1,20 @@
 //! Cells of contact patches: from a file, between two surfaces, or of a reduced model.
 
 use std::path::Path;
-use std::sync::Arc;
 
-use asperity_law::{ContactLaw, LawError};
 use asperity_matrices::{
     CellWeight, ContactCell, ContactSurface, Dof, MatricesError, PatchSplit, ReducedModel,
     SurfaceCells,
 };
 use asperity_mesh::{PortPair, PortPattern};
-use asperity_scenario::{PatchSpec, SplitSpec, StructureScenario, SurfaceSpec};
-use asperity_structure::UnloadedContact;
+use asperity_scenario::{PatchSpec, SplitSpec, SurfaceSpec};
 
 use super::body::Body;
 use super::ports::{Patch, Ports};
 use crate::error::SimulationError;
-use crate::shared_laws::shared_law;
 
 /// Most cells of a structure, with its springs.
 const MOST_CELLS: usize = asperity_dynamics::MOST_CONTACTS;
-
-/// Pressure for which laws are built that depend on one \[Pa\].
-const LAW_PRESSURE: f64 = 1e5;
 
 /// Cells of a patch, with polygons that cover them where they are known.
 struct Cells {
@@ -33,27 +26,13 @@ impl Ports<'_> {
     /// Adds an interface.
     pub(super) fn add_patch(
         &mut self,
-        scenario: &StructureScenario,
         patch: &PatchSpec,
         number: usize,
         folder: &Path,
     ) -> Result<(), SimulationError> {
         let place = format!("/interfaces/{number}");
-        let law = shared_law(&scenario.laws, &patch.law, LAW_PRESSURE);
-        let law: Arc<dyn ContactLaw> = law.map_err(|source: LawError| SimulationError::Law {
-            law: patch.law.name().to_owned(),
-            interface: Some(patch.name.clone()),
-            pressure_pa: LAW_PRESSURE,
-            source,
-        })?;
-        if !(law.domain().separates() || law.domain().is_bilateral()) {
-            let problem =
-                "the law never separates, so the faces have no first contact to count from";
-            let accepted = "a law with a closure at zero pressure, or a constant stiffness";
-            return Err(SimulationError::model(&format!("{place}/law"), problem, accepted));
-        }
         let Cells { cells, outlines } = self.cells(patch, &place, folder)?;
-        let first = self.contacts.len();
+        let first = self.map.pairs.len();
         if first + cells.len() > MOST_CELLS {
             let problem = format!("{} cells in all", first + cells.len());
             let key = match (&patch.cells, &patch.array) {
@@ -67,18 +46,12 @@ impl Ports<'_> {
         }
         for cell in &cells {
             let pair = self.cell_pair(cell, patch, &place)?;
-            self.pairs.push(pair);
-            self.contacts.push(UnloadedContact {
-                name: format!("{}, cell {}", patch.name, cell.name),
-                area: cell.area_m2,
-                law: Arc::clone(&law),
-                gap: patch.initial_gap_m,
-                damping: None,
-            });
+            self.map.pairs.push(pair);
+            self.map.areas.push(cell.area_m2);
         }
-        self.patches.push(Patch {
+        self.map.patches.push(Patch {
             name: patch.name.clone(),
-            cells: first..self.contacts.len(),
+            cells: first..self.map.pairs.len(),
             cell_names: cells.into_iter().map(|cell| cell.name).collect(),
             outlines,
         });

@@ -4,22 +4,27 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use asperity_law::{Constant, ContactDamping};
+use asperity_law::{Constant, ContactDamping, ContactLaw, LawError};
 use asperity_matrices::{Deck, Dof, ReducedModel};
 use asperity_mesh::{PortPair, PortPattern};
 use asperity_scenario::{
-    Along, ExcitationSpec, MatrixBodySpec, PlaceSpec, SpringSpec, StaticLoadSpec, StructureScenario,
+    Along, ExcitationSpec, MatrixBodySpec, PatchSpec, PlaceSpec, SpringSpec, StaticLoadSpec,
+    StructureScenario,
 };
 use asperity_structure::UnloadedContact;
 
-use super::body::{Body, read_deck, read_model};
+use super::body::{Body, read_deck, read_model, unit};
 use crate::error::SimulationError;
+use crate::shared_laws::shared_law;
 
 /// A place of a body of matrices.
 const PLACE: &str = "{\"body\": NAME, \"node\": NUMBER, \"direction\": [x, y, z]}, or \"response\" of a reduced model";
 
 /// Area of a spring as a contact \[m2\].
 const SPRING_AREA: f64 = 1e-6;
+
+/// Pressure for which laws are built that depend on one \[Pa\].
+const LAW_PRESSURE: f64 = 1e5;
 
 /// A contact patch.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,8 +39,26 @@ pub struct Patch {
     pub outlines: Vec<Vec<Vec<[f64; 3]>>>,
 }
 
-/// Ports of a structure, and what acts at them. Without bodies read, where their reduction is known, the patterns
-/// are empty.
+/// Ports of a structure by number. Laws, gaps, springs and sizes of loads are not in it: they change no reduction.
+#[derive(Debug, Default)]
+pub(super) struct PortMap {
+    /// Ports that join the cells, and after them the springs.
+    pub(super) pairs: Vec<PortPair>,
+    pub(super) patches: Vec<Patch>,
+    /// Area of each cell \[m2\].
+    pub(super) areas: Vec<f64>,
+    /// Port of the weight of each body along each axis of gravity.
+    weights: Vec<(usize, usize)>,
+    /// Port of each static load.
+    loads: Vec<usize>,
+    /// Port of the excitation.
+    pub(super) load: usize,
+    pub(super) sensors: Vec<usize>,
+    /// Number of ports.
+    pub(super) count: usize,
+}
+
+/// Ports of a structure with its files. Without bodies read, where their reduction is known, the patterns are empty.
 pub(super) struct Ports<'a> {
     names: Vec<&'a str>,
     /// The mesh of each body, where it was read.
@@ -45,13 +68,10 @@ pub(super) struct Ports<'a> {
     pub(super) bodies: Vec<Body>,
     /// Body and pattern of each port.
     pub(super) patterns: Vec<(usize, PortPattern)>,
-    pub(super) pairs: Vec<PortPair>,
-    pub(super) contacts: Vec<UnloadedContact>,
-    pub(super) patches: Vec<Patch>,
-    /// Port and factor of each static load.
-    pub(super) loads: Vec<(usize, f64)>,
-    pub(super) load: usize,
-    pub(super) sensors: Vec<usize>,
+    /// Port of the motion of the base, which all bodies share: forces of an acceleration of 1 m/s2 on the rows of each
+    /// \[kg\].
+    base: Option<(usize, Vec<PortPattern>)>,
+    pub(super) map: PortMap,
 }
 
 impl<'a> Ports<'a> {
@@ -82,32 +102,33 @@ impl<'a> Ports<'a> {
             models,
             bodies: Vec::new(),
             patterns: Vec::new(),
-            pairs: Vec::new(),
-            contacts: Vec::new(),
-            patches: Vec::new(),
-            loads: Vec::new(),
-            load: 0,
-            sensors: Vec::new(),
+            base: None,
+            map: PortMap::default(),
         };
         // A kept reduction is one with the displacements that are held.
         let held = if whole { ports.held(scenario)? } else { Vec::new() };
+        let direction = base_direction(scenario)?;
+        let gravity = scenario.gravity_m_per_s2;
+        let pulled = [0, 1, 2].map(|axis| {
+            gravity[axis] != 0.0 || direction.is_some_and(|direction| direction[axis] != 0.0)
+        });
         for ((number, spec), held) in scenario.bodies.iter().enumerate().zip(&held) {
             let body = if let Some(model) = &ports.models[number] {
                 Body::of_model(&spec.name, model)?
             } else {
                 let deck = ports.decks[number].as_ref();
-                Body::read(spec, folder, deck, scenario.gravity_m_per_s2, held)?
+                Body::read(spec, folder, deck, pulled, held)?
             };
             ports.bodies.push(body);
         }
         for (number, patch) in scenario.interfaces.iter().enumerate() {
-            ports.add_patch(scenario, patch, number, folder)?;
+            ports.add_patch(patch, number, folder)?;
         }
-        if scenario.gravity_m_per_s2 != [0.0; 3] {
-            for body in 0..ports.names.len() {
-                let weight = ports.bodies.get(body).map(|body| body.weight.clone());
+        for body in 0..ports.names.len() {
+            for (axis, _) in (0..).zip(scenario.gravity_m_per_s2).filter(|(_, g)| *g != 0.0) {
+                let weight = ports.bodies.get(body).map(|body| body.weights[axis].clone());
                 let port = ports.add(body, weight.unwrap_or_default());
-                ports.loads.push((port, 1.0));
+                ports.map.weights.push((axis, port));
             }
         }
         for (number, spring) in scenario.springs.iter().enumerate() {
@@ -116,13 +137,14 @@ impl<'a> Ports<'a> {
         for (number, load) in scenario.loads.iter().enumerate() {
             ports.add_load(load, number, folder)?;
         }
-        ports.load = match scenario.excitation.at() {
-            Some(at) => ports.add_place(at, "/excitation/at")?,
-            None if matches!(scenario.excitation, ExcitationSpec::None) => {
+        ports.map.load = match (scenario.excitation.at(), direction) {
+            (None, Some(direction)) => ports.add_base(direction)?,
+            (Some(at), _) => ports.add_place(at, "/excitation/at")?,
+            (None, None) if matches!(scenario.excitation, ExcitationSpec::None) => {
                 // No force acts; the first sensor's port stands in for one.
                 ports.add_sensor(scenario, 0)?
             }
-            None => {
+            (None, None) => {
                 let accepted = PLACE;
                 return Err(SimulationError::model(
                     "/excitation",
@@ -133,8 +155,9 @@ impl<'a> Ports<'a> {
         };
         for number in 0..scenario.sensors.len() {
             let port = ports.add_sensor(scenario, number)?;
-            ports.sensors.push(port);
+            ports.map.sensors.push(port);
         }
+        ports.map.count = ports.patterns.len();
         Ok(ports)
     }
 
@@ -164,7 +187,39 @@ impl<'a> Ports<'a> {
 
     /// Numbers of the ports of a body.
     pub(super) fn of(&self, body: usize) -> Vec<usize> {
-        (0..self.patterns.len()).filter(|&port| self.patterns[port].0 == body).collect()
+        let is_base = |port: usize| self.base.as_ref().is_some_and(|(base, _)| *base == port);
+        let is_own = |port: &usize| self.patterns[*port].0 == body || is_base(*port);
+        (0..self.patterns.len()).filter(is_own).collect()
+    }
+
+    /// Pattern of a port on a body.
+    pub(super) fn pattern(&self, port: usize, body: usize) -> PortPattern {
+        match &self.base {
+            Some((base, patterns)) if *base == port => patterns[body].clone(),
+            _ => self.patterns[port].1.clone(),
+        }
+    }
+
+    /// The port of a motion of the base along a direction of unit length: the load is its acceleration, which acts
+    /// on all bodies against it.
+    fn add_base(&mut self, direction: [f64; 3]) -> Result<usize, SimulationError> {
+        if let Some(number) = self.models.iter().position(Option::is_some) {
+            let problem = format!("body \"{}\" is a reduced model", self.names[number]);
+            let accepted = "a motion of the base with bodies of matrices alone";
+            return Err(SimulationError::model("/excitation/kind", problem, accepted));
+        }
+        let pattern = |body: &Body| {
+            let axes = body.weights.iter().zip(direction);
+            let parts = axes.flat_map(|(weight, part)| {
+                weight.iter().map(move |&(row, mass)| (row, -part * mass))
+            });
+            parts.collect()
+        };
+        let patterns = self.bodies.iter().map(pattern).collect();
+        // A number that no body has.
+        let port = self.add(self.names.len(), PortPattern::new());
+        self.base = Some((port, patterns));
+        Ok(port)
     }
 
     pub(super) fn body(&self, name: &str, place: &str) -> Result<usize, SimulationError> {
@@ -261,26 +316,12 @@ impl<'a> Ports<'a> {
         Ok(held)
     }
 
-    /// Adds a spring as a contact of constant stiffness that carries tension.
     fn add_spring(&mut self, spring: &SpringSpec, number: usize) -> Result<(), SimulationError> {
         let place = format!("/springs/{number}");
         let from = self.add_place(&spring.from, &format!("{place}/from"))?;
         let to = spring.to.as_ref();
         let to = to.map(|to| self.add_place(to, &format!("{place}/to"))).transpose()?;
-        self.pairs.push(PortPair { upper: from, lower: to });
-        let fault = |source| SimulationError::ContactDamping {
-            interface: format!("spring {number}"),
-            source,
-        };
-        let law = Constant::new(spring.stiffness_n_per_m / SPRING_AREA).map_err(fault)?;
-        let time = |damping: f64| ContactDamping::kelvin_voigt(damping / spring.stiffness_n_per_m);
-        self.contacts.push(UnloadedContact {
-            name: format!("spring {number}"),
-            area: SPRING_AREA,
-            law: Arc::new(law),
-            gap: 0.0,
-            damping: spring.damping_n_s_per_m.map(time).transpose().map_err(fault)?,
-        });
+        self.map.pairs.push(PortPair { upper: from, lower: to });
         Ok(())
     }
 
@@ -293,10 +334,10 @@ impl<'a> Ports<'a> {
         let place = format!("/loads/{number}");
         let body = self.body(&load.body, &format!("{place}/body"))?;
         let owner = body;
-        let (pattern, factor) = match load {
+        let pattern = match load {
             StaticLoadSpec {
                 array: Some(_),
-                factor,
+                factor: _,
                 file: None,
                 node: None,
                 set: None,
@@ -305,12 +346,12 @@ impl<'a> Ports<'a> {
                 ..
             } => {
                 let loads = &self.model(&load.body, &format!("{place}/body"))?.loads;
-                (loads.iter().copied().enumerate().collect(), factor.unwrap_or(1.0))
+                loads.iter().copied().enumerate().collect()
             }
             StaticLoadSpec {
                 file: Some(file),
                 array: None,
-                factor,
+                factor: _,
                 node: None,
                 set: None,
                 direction: None,
@@ -330,15 +371,14 @@ impl<'a> Ports<'a> {
                     }
                     Ok::<_, SimulationError>(pattern)
                 };
-                let pattern = self.bodies.get(body).map(read).transpose()?;
-                (pattern.unwrap_or_default(), factor.unwrap_or(1.0))
+                self.bodies.get(body).map(read).transpose()?.unwrap_or_default()
             }
             StaticLoadSpec {
                 file: None,
                 array: None,
                 factor: None,
                 direction: Some(direction),
-                force_n: Some(force),
+                force_n: Some(_),
                 node,
                 set,
                 ..
@@ -358,8 +398,7 @@ impl<'a> Ports<'a> {
                     }
                     Ok::<_, SimulationError>(pattern)
                 };
-                let pattern = self.bodies.get(body).map(spread).transpose()?;
-                (pattern.unwrap_or_default(), *force)
+                self.bodies.get(body).map(spread).transpose()?.unwrap_or_default()
             }
             _ => {
                 let accepted = "\"file\" or \"array\" with or without \"factor\", or \"node\" or \"set\" with \"direction\" and \"force_n\"";
@@ -371,7 +410,96 @@ impl<'a> Ports<'a> {
             }
         };
         let port = self.add(body, pattern);
-        self.loads.push((port, factor));
+        self.map.loads.push(port);
         Ok(())
     }
+}
+
+impl PortMap {
+    /// The contacts of `scenario` before the loads are on: the cells of its patches with their laws, and its springs.
+    pub(super) fn contacts(
+        &self,
+        scenario: &StructureScenario,
+    ) -> Result<Vec<UnloadedContact>, SimulationError> {
+        let mut contacts = Vec::with_capacity(self.pairs.len());
+        for (number, (spec, patch)) in scenario.interfaces.iter().zip(&self.patches).enumerate() {
+            let law = law(scenario, spec, number)?;
+            let cell = |(name, contact): (&String, usize)| UnloadedContact {
+                name: format!("{}, cell {name}", spec.name),
+                area: self.areas[contact],
+                law: Arc::clone(&law),
+                gap: spec.initial_gap_m,
+                damping: None,
+            };
+            contacts.extend(patch.cell_names.iter().zip(patch.cells.clone()).map(cell));
+        }
+        for (number, one) in scenario.springs.iter().enumerate() {
+            contacts.push(spring(one, number)?);
+        }
+        Ok(contacts)
+    }
+
+    /// Port and size of each static load of `scenario`: in N, or a factor on the forces of a file.
+    pub(super) fn loads(&self, scenario: &StructureScenario) -> Vec<(usize, f64)> {
+        let gravity = scenario.gravity_m_per_s2;
+        let weights = self.weights.iter().map(|&(axis, port)| (port, gravity[axis]));
+        let size = |load: &StaticLoadSpec| load.force_n.or(load.factor).unwrap_or(1.0);
+        let others = self.loads.iter().zip(&scenario.loads);
+        weights.chain(others.map(|(&port, load)| (port, size(load)))).collect()
+    }
+}
+
+/// Direction of a motion of the base, of unit length; none for a force.
+pub(super) fn base_direction(
+    scenario: &StructureScenario,
+) -> Result<Option<[f64; 3]>, SimulationError> {
+    if !matches!(scenario.excitation, ExcitationSpec::BaseMotion { .. }) {
+        return Ok(None);
+    }
+    let direction = scenario.excitation.base_direction().unwrap_or_default();
+    unit(direction).map(Some).ok_or_else(|| {
+        let problem = "the motion of the base has no direction";
+        let accepted = "[x, y, z], not all zero";
+        SimulationError::model("/excitation/direction", problem, accepted)
+    })
+}
+
+/// The law of an interface.
+fn law(
+    scenario: &StructureScenario,
+    spec: &PatchSpec,
+    number: usize,
+) -> Result<Arc<dyn ContactLaw>, SimulationError> {
+    let law = shared_law(&scenario.laws, &spec.law, LAW_PRESSURE);
+    let law: Arc<dyn ContactLaw> = law.map_err(|source: LawError| SimulationError::Law {
+        law: spec.law.name().to_owned(),
+        interface: Some(spec.name.clone()),
+        pressure_pa: LAW_PRESSURE,
+        source,
+    })?;
+    if !(law.domain().separates() || law.domain().is_bilateral()) {
+        let problem = "the law never separates, so the faces have no first contact to count from";
+        let accepted = "a law with a closure at zero pressure, or a constant stiffness";
+        return Err(SimulationError::model(
+            &format!("/interfaces/{number}/law"),
+            problem,
+            accepted,
+        ));
+    }
+    Ok(law)
+}
+
+/// A spring as a contact of constant stiffness that carries tension.
+fn spring(spring: &SpringSpec, number: usize) -> Result<UnloadedContact, SimulationError> {
+    let fault =
+        |source| SimulationError::ContactDamping { interface: format!("spring {number}"), source };
+    let law = Constant::new(spring.stiffness_n_per_m / SPRING_AREA).map_err(fault)?;
+    let time = |damping: f64| ContactDamping::kelvin_voigt(damping / spring.stiffness_n_per_m);
+    Ok(UnloadedContact {
+        name: format!("spring {number}"),
+        area: SPRING_AREA,
+        law: Arc::new(law),
+        gap: 0.0,
+        damping: spring.damping_n_s_per_m.map(time).transpose().map_err(fault)?,
+    })
 }

@@ -9,13 +9,13 @@ use asperity_mesh::Port;
 use asperity_scenario::StructureScenario;
 use rayon::prelude::*;
 
-use super::run::{Refined, respond};
-use super::structure::{PatchStructure, assemble_patches};
-use crate::assemble::{Assembly, samples_of};
+use super::run::{PatchSystem, RefinedPatchResponse};
+use super::structure::ReducedStructures;
+use crate::assemble::load_case_at;
 use crate::error::SimulationError;
 use crate::observables::Observables;
 use crate::quantity::observable_names;
-use crate::row_inputs::{RowInputs, magnitudes, receptance_of};
+use crate::row_inputs::{RowInputs, magnitudes};
 
 /// Names of the numbers of a row, and the row.
 type Row = (Arc<[String]>, Observables);
@@ -26,21 +26,27 @@ const MOST_KEPT: usize = 16;
 /// Runs rows of a structure of matrices; those that differ in the force alone share one assembly.
 #[derive(Debug, Default)]
 pub(crate) struct PatchRows {
+    reductions: ReducedStructures,
     kept: Mutex<HashMap<Vec<String>, Arc<Prepared>>>,
 }
 
 #[derive(Debug)]
 struct Prepared {
-    assembly: Assembly<PatchStructure>,
+    system: PatchSystem,
     names: Arc<[String]>,
 }
 
 impl Prepared {
-    fn new(scenario: &StructureScenario, folder: &Path) -> Result<Self, SimulationError> {
+    fn new(
+        scenario: &StructureScenario,
+        folder: &Path,
+        reductions: &ReducedStructures,
+    ) -> Result<Self, SimulationError> {
         let interfaces: Vec<&str> = scenario.interfaces.iter().map(|one| &*one.name).collect();
         let further: Vec<&str> = scenario.sensors.iter().skip(1).map(|one| &*one.name).collect();
-        let names = observable_names(&interfaces, &further, false).into();
-        Ok(Self { assembly: assemble_patches(scenario, folder)?, names })
+        let system = PatchSystem::new(reductions.assemble(scenario, folder)?)?;
+        let base = system.assembly.load.base().is_some();
+        Ok(Self { names: observable_names(&interfaces, &further, base).into(), system })
     }
 }
 
@@ -72,7 +78,8 @@ impl PatchRows {
     /// Names of the numbers of the scenario as it is.
     pub(crate) fn names(inputs: &RowInputs) -> Result<Arc<[String]>, SimulationError> {
         let scenario = inputs.scenario::<&str, StructureScenario>(&[])?;
-        Ok(Prepared::new(&scenario, inputs.folder())?.names)
+        let found = Prepared::new(&scenario, inputs.folder(), &ReducedStructures::default())?;
+        Ok(found.names)
     }
 
     fn one<T: AsRef<str>>(
@@ -84,16 +91,15 @@ impl PatchRows {
         inputs.check(row)?;
         let folder = inputs.folder();
         let prepared = self.prepared(inputs, row)?;
-        let mut assembly = prepared.assembly.clone();
-        let port = Port::Number(assembly.structure.load);
+        let port = Port::Number(prepared.system.assembly.structure.load);
         let excitation = inputs.excitation(row)?;
-        assembly.load = excitation.load_case_at(port, |file| samples_of(file, folder))?;
-        assembly.load.check()?;
-        let Refined { response, .. } = respond(&assembly, &|_| ())?;
+        let load = load_case_at(&excitation, port, folder)?;
+        let system = prepared.system.with_load(load, None)?;
+        let RefinedPatchResponse { response, .. } = system.refined(&|_| ())?;
+        let receptance = || Some(response.receptance(frequencies));
+        let frf = magnitudes(frequencies, receptance);
         let mut found = response.observables;
-        let (history, rate) = (&response.transient.history, assembly.sampling.rate());
-        let receptance = || Some(receptance_of(history, rate, frequencies));
-        found.frf = magnitudes(frequencies, receptance);
+        found.frf = frf;
         Ok((Arc::clone(&prepared.names), found))
     }
 
@@ -103,13 +109,17 @@ impl PatchRows {
         inputs: &RowInputs,
         row: &[T],
     ) -> Result<Arc<Prepared>, SimulationError> {
-        // The place of the force is a port of the structure.
-        let key = inputs.of_structure(row, |place| place.starts_with("/excitation/at"));
+        // The place of the force, or the direction of the base, is a port of the structure.
+        let is_port = |place: &str| {
+            ["/excitation/at", "/excitation/direction"].iter().any(|port| place.starts_with(port))
+        };
+        let key = inputs.of_structure(row, is_port);
         let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(found) = kept().get(&key) {
             return Ok(Arc::clone(found));
         }
-        let prepared = Arc::new(Prepared::new(&inputs.scenario(row)?, inputs.folder())?);
+        let scenario = inputs.scenario(row)?;
+        let prepared = Arc::new(Prepared::new(&scenario, inputs.folder(), &self.reductions)?);
         let mut all = kept();
         if all.len() >= MOST_KEPT {
             all.clear();

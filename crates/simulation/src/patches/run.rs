@@ -7,9 +7,10 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use asperity_dynamics::{ContactExtremes, DynamicsError, ManyContacts, Transient};
+use asperity_dynamics::{ContactExtremes, DynamicsError, ManyContacts, Sampling, Transient};
 use asperity_scenario::{Document, StructureScenario};
-use asperity_structure::{PreloadedContact, PreloadedStructure};
+use asperity_signal::Complex64;
+use asperity_structure::{LoadCase, PreloadedContact, PreloadedStructure};
 use asperity_table::DataTable;
 use serde::Serialize;
 use tracing::info_span;
@@ -18,8 +19,9 @@ use super::structure::{PatchStructure, assemble_patches};
 use crate::accuracy::ErrorEstimate;
 use crate::assemble::Assembly;
 use crate::error::SimulationError;
-use crate::observables::Observables;
+use crate::observables::{Observables, free_from};
 use crate::provenance::Provenance;
+use crate::row_inputs::receptance_of;
 use crate::run::Run;
 use crate::summary::{Numerics, Summary};
 
@@ -197,8 +199,11 @@ pub fn simulate_patches(
     let started = Instant::now();
     let folder = document.folder();
     let assembly = info_span!("assemble").in_scope(|| assemble_patches(scenario, folder))?;
-    let found = respond(&assembly, progress)?;
-    let Refined { response: Response { transient, cells, observables }, truncation } = found;
+    progress(0.3);
+    let system = PatchSystem::new(assembly)?;
+    let RefinedPatchResponse { response, truncation, .. } = system.refined(progress)?;
+    let PatchResponse { transient, cells, observables } = response;
+    let PatchSystem { assembly, .. } = system;
     for warning in &observables.warnings {
         tracing::warn!("{warning}");
     }
@@ -224,13 +229,207 @@ pub fn simulate_patches(
     Ok(PatchRun { run: Run { assembly, transient, observables, summary }, cells, truncation })
 }
 
-/// The response of an assembled structure.
-pub(super) fn respond(
-    assembly: &Assembly<PatchStructure>,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Result<Refined, SimulationError> {
-    progress(0.3);
-    refined(assembly, &system(assembly, Arc::clone(&assembly.structure.structure))?, progress)
+/// A structure at rest with its force, ready for steps of time.
+#[derive(Debug, Clone)]
+pub struct PatchSystem {
+    /// The structure, the force and the sampling.
+    pub assembly: Assembly<PatchStructure>,
+    system: ManyContacts,
+}
+
+/// A response of a structure with patches.
+#[derive(Debug)]
+pub struct PatchResponse {
+    /// Motions, with an interface for each patch.
+    pub transient: Transient,
+    /// Extremes of each cell, and of the springs after them.
+    pub cells: Vec<ContactExtremes>,
+    /// Its observables.
+    pub observables: Observables,
+}
+
+/// A response that is accurate enough, or as accurate as work allows.
+#[derive(Debug)]
+pub struct RefinedPatchResponse {
+    /// The response, its observables with their estimated errors.
+    pub response: PatchResponse,
+    /// Steps between samples.
+    pub parts: usize,
+    /// Relative errors by the modes left out, at most.
+    pub truncation: f64,
+}
+
+impl PatchSystem {
+    /// The system of an assembled structure.
+    ///
+    /// # Errors
+    /// [`SimulationError::Dynamics`] for contacts that time integration does not take.
+    pub fn new(assembly: Assembly<PatchStructure>) -> Result<Self, SimulationError> {
+        let system = system(&assembly, Arc::clone(&assembly.structure.structure))?;
+        Ok(Self { assembly, system })
+    }
+
+    /// The same structure under another force, for a duration \[s\], by default its own.
+    ///
+    /// # Errors
+    /// [`SimulationError::Dynamics`] for a duration out of range.
+    pub fn with_load(
+        &self,
+        load: LoadCase,
+        duration: Option<f64>,
+    ) -> Result<Self, SimulationError> {
+        let mut own = self.clone();
+        own.assembly.load = load;
+        if let Some(duration) = duration {
+            own.assembly.sampling = Sampling::new(duration, own.assembly.sampling.rate())?;
+        }
+        Ok(own)
+    }
+
+    /// Steps between samples of a first response.
+    pub fn first_parts(&self) -> usize {
+        let Assembly { structure, load, sampling, .. } = &self.assembly;
+        let natural = structure.structure.natural_frequency();
+        let period = natural.map_or(f64::INFINITY, |hz| 1.0 / (hz * STEPS_IN_PERIOD));
+        let step = period.min(load.time_scale() / STEPS_IN_LOAD);
+        let interval = sampling.interval();
+        if step.is_finite() { (interval / step).ceil().max(1.0) as usize } else { 1 }
+    }
+
+    /// The response with `parts` steps between samples.
+    ///
+    /// # Errors
+    /// [`SimulationError::Dynamics`] as [`ManyContacts::integrate`].
+    pub fn response(&self, parts: usize) -> Result<PatchResponse, SimulationError> {
+        self.response_of(&self.system, parts)
+    }
+
+    fn response_of(
+        &self,
+        system: &ManyContacts,
+        parts: usize,
+    ) -> Result<PatchResponse, SimulationError> {
+        let Assembly { structure, load, sampling, .. } = &self.assembly;
+        let (transient, cells) = system.integrate_groups(load, sampling, parts)?;
+        let at_rest = structure.at_rest();
+        let observables = Observables::of_transient(&self.assembly, &at_rest, &transient)?;
+        Ok(PatchResponse { transient, cells, observables })
+    }
+
+    /// The response to the accuracy of its scenario; `progress` receives the fraction done.
+    ///
+    /// # Errors
+    /// Those of [`response`](Self::response).
+    pub fn refined(
+        &self,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<RefinedPatchResponse, SimulationError> {
+        let accuracy = self.assembly.accuracy;
+        let samples = self.assembly.sampling.samples() as f64;
+        let contacts = self.assembly.structure.structure.contacts().len() as f64;
+        let first = self.first_parts();
+        let mut last: Option<PatchResponse> = None;
+        let mut halvings = 0;
+        loop {
+            let parts = first << halvings;
+            let may_halve =
+                halvings < MOST_HALVINGS && 2.0 * samples * parts as f64 * contacts <= MOST_WORK;
+            let found = match self.response(parts) {
+                Err(SimulationError::Dynamics(
+                    DynamicsError::Coarse { .. } | DynamicsError::Unstable { .. },
+                )) if may_halve => {
+                    halvings += 1;
+                    continue;
+                }
+                found => found?,
+            };
+            progress(0.3 + 0.6 * f64::from(halvings + 1) / f64::from(MOST_HALVINGS + 1));
+            let lost = found.cells.iter().any(|one| one.lost > 0.0);
+            let by_step = match &last {
+                // Of second order while contact holds, of first where it is lost.
+                Some(coarser) => ErrorEstimate::new(
+                    found.observables.all(),
+                    coarser.observables.all(),
+                    if lost { 1.0 } else { 3.0 },
+                    accuracy,
+                ),
+                None => ErrorEstimate::unknown(found.observables.all(), accuracy),
+            };
+            tracing::debug!(
+                step_s = found.transient.step,
+                error_by_step = by_step.relative,
+                "refined"
+            );
+            if by_step.relative <= STEP_SHARE * accuracy || !may_halve {
+                let by_modes = self.truncation(parts, &found)?;
+                let truncation = by_modes.relative;
+                let observables = found.observables.with_estimate(by_step.plus(&by_modes));
+                let response = PatchResponse { observables, ..found };
+                return Ok(RefinedPatchResponse { response, parts, truncation });
+            }
+            last = Some(found);
+            halvings += 1;
+        }
+    }
+
+    /// Errors by the modes left out: the response of two thirds of them differs by more.
+    fn truncation(
+        &self,
+        parts: usize,
+        found: &PatchResponse,
+    ) -> Result<ErrorEstimate, SimulationError> {
+        let accuracy = self.assembly.accuracy;
+        let structure = &*self.assembly.structure.structure;
+        let modes = structure.component_modes();
+        let inert = modes.modes().iter().filter(|mode| !mode.massless).count();
+        let fewer = (2 * inert / 3).max(LEAST_MODES);
+        if fewer >= inert {
+            return Ok(ErrorEstimate::of_share(found.observables.all(), 0.0, accuracy));
+        }
+        let fewer = PreloadedStructure::of_components(
+            modes.with_inertia_of(fewer),
+            structure.contacts().to_vec(),
+            asperity_structure::Damping::Rate(structure.damping_rate()),
+        )?;
+        let system = system(&self.assembly, Arc::new(fewer))?;
+        let other = self.response_of(&system, parts)?.observables;
+        Ok(ErrorEstimate::new(found.observables.all(), other.all(), 1.0, accuracy))
+    }
+
+    /// Lowest and highest pressure \[Pa\] of the cells of each patch in a response.
+    pub fn pressures(&self, response: &PatchResponse) -> Vec<[f64; 2]> {
+        let of = |patch: &super::Patch| {
+            let cells = response.cells[patch.cells.clone()].iter();
+            cells.fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], cell| {
+                [low.min(cell.pressure_min), high.max(cell.pressure_max)]
+            })
+        };
+        self.assembly.structure.patches.iter().map(of).collect()
+    }
+}
+
+impl PatchResponse {
+    /// Receptance of the first sensor \[m/N\] at `frequencies` \[Hz\]; NaN from half of the sample rate on.
+    pub fn receptance(&self, frequencies: &[f64]) -> Vec<Complex64> {
+        let (history, rate) = (&self.transient.history, self.rate());
+        let unknown = Complex64::new(f64::NAN, f64::NAN);
+        let at = |frequency| receptance_of(history, rate, &[frequency]).pop().unwrap_or(unknown);
+        frequencies.iter().copied().map(at).collect()
+    }
+
+    /// Displacement of the first sensor \[m\] after the force, whose peak is `peak` \[N\], and its sample rate \[Hz\].
+    pub fn decay(&self, peak: f64) -> (&[f64], f64) {
+        let history = &self.transient.history;
+        let free = free_from(&history.load, peak);
+        (&history.sensors[0].displacement[free..], self.rate())
+    }
+
+    fn rate(&self) -> f64 {
+        match self.transient.history.time[..] {
+            [first, second, ..] => 1.0 / (second - first),
+            _ => f64::NAN,
+        }
+    }
 }
 
 /// The system that time integration steps, with an interface for each patch.
@@ -241,112 +440,4 @@ pub(super) fn system(
     let PatchStructure { patches, load, sensors, .. } = &assembly.structure;
     let groups = patches.iter().map(|patch| patch.cells.clone()).collect();
     Ok(ManyContacts::new(structure, *load, sensors.clone())?.with_groups(groups))
-}
-
-/// Steps between samples of the first response.
-fn first_parts(assembly: &Assembly<PatchStructure>) -> usize {
-    let natural = assembly.structure.structure.natural_frequency();
-    let period = natural.map_or(f64::INFINITY, |hz| 1.0 / (hz * STEPS_IN_PERIOD));
-    let step = period.min(assembly.load.time_scale() / STEPS_IN_LOAD);
-    let interval = assembly.sampling.interval();
-    if step.is_finite() { (interval / step).ceil().max(1.0) as usize } else { 1 }
-}
-
-/// A response with the extremes of its cells and its observables.
-pub(super) struct Response {
-    pub(super) transient: Transient,
-    pub(super) cells: Vec<ContactExtremes>,
-    pub(super) observables: Observables,
-}
-
-/// A response that is accurate enough, or as accurate as work allows, and its relative error by the modes left
-/// out.
-pub(super) struct Refined {
-    pub(super) response: Response,
-    pub(super) truncation: f64,
-}
-
-impl Response {
-    fn new(
-        assembly: &Assembly<PatchStructure>,
-        system: &ManyContacts,
-        parts: usize,
-    ) -> Result<Self, SimulationError> {
-        let (transient, cells) =
-            system.integrate_groups(&assembly.load, &assembly.sampling, parts)?;
-        let at_rest = assembly.structure.at_rest();
-        let observables = Observables::of_transient(assembly, &at_rest, &transient)?;
-        Ok(Self { transient, cells, observables })
-    }
-}
-
-fn refined(
-    assembly: &Assembly<PatchStructure>,
-    system: &ManyContacts,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Result<Refined, SimulationError> {
-    let accuracy = assembly.accuracy;
-    let samples = assembly.sampling.samples() as f64;
-    let contacts = assembly.structure.structure.contacts().len() as f64;
-    let first = first_parts(assembly);
-    let mut last: Option<Response> = None;
-    let mut halvings = 0;
-    loop {
-        let parts = first << halvings;
-        let may_halve =
-            halvings < MOST_HALVINGS && 2.0 * samples * parts as f64 * contacts <= MOST_WORK;
-        let found = match Response::new(assembly, system, parts) {
-            Err(SimulationError::Dynamics(
-                DynamicsError::Coarse { .. } | DynamicsError::Unstable { .. },
-            )) if may_halve => {
-                halvings += 1;
-                continue;
-            }
-            found => found?,
-        };
-        progress(0.3 + 0.6 * f64::from(halvings + 1) / f64::from(MOST_HALVINGS + 1));
-        let lost = found.cells.iter().any(|one| one.lost > 0.0);
-        let by_step = match &last {
-            // Of second order while contact holds, of first where it is lost.
-            Some(coarser) => ErrorEstimate::new(
-                found.observables.all(),
-                coarser.observables.all(),
-                if lost { 1.0 } else { 3.0 },
-                accuracy,
-            ),
-            None => ErrorEstimate::unknown(found.observables.all(), accuracy),
-        };
-        tracing::debug!(step_s = found.transient.step, error_by_step = by_step.relative, "refined");
-        if by_step.relative <= STEP_SHARE * accuracy || !may_halve {
-            let by_modes = truncation(assembly, parts, &found)?;
-            let truncation = by_modes.relative;
-            let observables = found.observables.with_estimate(by_step.plus(&by_modes));
-            return Ok(Refined { response: Response { observables, ..found }, truncation });
-        }
-        last = Some(found);
-        halvings += 1;
-    }
-}
-
-/// Errors by the modes left out: the response of two thirds of them differs by more.
-fn truncation(
-    assembly: &Assembly<PatchStructure>,
-    parts: usize,
-    found: &Response,
-) -> Result<ErrorEstimate, SimulationError> {
-    let structure = &*assembly.structure.structure;
-    let modes = structure.component_modes();
-    let inert = modes.modes().iter().filter(|mode| !mode.massless).count();
-    let fewer = (2 * inert / 3).max(LEAST_MODES);
-    if fewer >= inert {
-        return Ok(ErrorEstimate::of_share(found.observables.all(), 0.0, assembly.accuracy));
-    }
-    let fewer = PreloadedStructure::of_components(
-        modes.with_inertia_of(fewer),
-        structure.contacts().to_vec(),
-        asperity_structure::Damping::Rate(structure.damping_rate()),
-    )?;
-    let system = system(assembly, Arc::new(fewer))?;
-    let other = Response::new(assembly, &system, parts)?.observables;
-    Ok(ErrorEstimate::new(found.observables.all(), other.all(), 1.0, assembly.accuracy))
 }

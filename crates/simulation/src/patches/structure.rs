@@ -1,20 +1,18 @@
 //! A structure of matrices at rest, from the files of its scenario.
 
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::{Integrator, Sampling};
 use asperity_mesh::{ComponentModes, Port, PortPattern, ReducedBody};
-use asperity_scenario::{DampingSpec, ExcitationSpec, StructureScenario};
-use asperity_structure::{
-    LoadCase, PreloadedContact, PreloadedStructure, StructureError, contacts_at_rest,
-};
+use asperity_scenario::{Along, DampingSpec, SensorSpec, StructureScenario};
+use asperity_structure::{PreloadedContact, PreloadedStructure, StructureError, contacts_at_rest};
 use tracing::info_span;
 
-use super::body::Body;
+use super::body::{Body, unit};
 use super::kept_reduction::{self, BodyShapes, FOLDER, ReductionKey};
-use super::ports::{Patch, Ports};
-use crate::assemble::{Assembly, DEFAULT_ACCURACY, Interfaces, Sensor, samples_of};
+use super::ports::{Patch, PortMap, Ports, base_direction};
+use crate::assemble::{Assembly, DEFAULT_ACCURACY, Interfaces, Sensor, load_case_at};
 use crate::error::SimulationError;
 use crate::static_state::{StaticInterface, StaticSummary};
 
@@ -67,75 +65,161 @@ impl PatchStructure {
     }
 }
 
+/// The bodies of a structure in their modes, with the flexibility at its ports. They serve all scenarios that differ in
+/// laws, gaps, springs, damping, sizes of loads and gravity, and the function of time of the force.
+#[derive(Debug)]
+pub struct ReducedStructure {
+    key: ReductionKey,
+    ports: PortMap,
+    bodies: Vec<ReducedBody>,
+    /// Ports of each body.
+    own: Vec<Vec<usize>>,
+}
+
+impl ReducedStructure {
+    /// The reduction of the structure of `scenario`, whose files are looked for in `folder`: as it is kept there, or
+    /// else made and kept.
+    ///
+    /// # Errors
+    /// [`SimulationError::Matrices`] for files that cannot be read; [`SimulationError::Model`] for places, bodies and
+    /// directions that do not exist; [`SimulationError::Structure`] for matrices that cannot be reduced.
+    pub fn new(scenario: &StructureScenario, folder: &Path) -> Result<Self, SimulationError> {
+        Self::of_key(ReductionKey::new(folder, scenario)?, scenario, folder)
+    }
+
+    fn of_key(
+        key: ReductionKey,
+        scenario: &StructureScenario,
+        folder: &Path,
+    ) -> Result<Self, SimulationError> {
+        // The files of a kept reduction were checked when it was made.
+        let (ports, bodies) = if let Some(found) = kept_reduction::find(folder, &key) {
+            (Ports::read(scenario, folder, false)?, found)
+        } else {
+            let (ports, made, _) = reduced(scenario, folder, &key)?;
+            (ports, made)
+        };
+        let own: Vec<Vec<usize>> = (0..scenario.bodies.len()).map(|body| ports.of(body)).collect();
+        let fits = |(body, own): (&ReducedBody, &Vec<usize>)| body.residual.ports() == own.len();
+        if bodies.len() != own.len() || !bodies.iter().zip(&own).all(fits) {
+            let problem = "the kept reduction is not one of this structure";
+            return Err(SimulationError::model(
+                "/bodies",
+                problem,
+                format!("a folder {FOLDER} that is removed"),
+            ));
+        }
+        Ok(Self { key, ports: ports.map, bodies, own })
+    }
+
+    /// The structure at rest with the laws, gaps, springs, damping, loads and force of `scenario`, which has this
+    /// reduction; files of samples are looked for in `folder`.
+    ///
+    /// # Errors
+    /// [`SimulationError::Law`] and [`SimulationError::Model`] for laws and damping that do not fit;
+    /// [`SimulationError::Structure`] without static equilibrium.
+    pub fn assemble(
+        &self,
+        scenario: &StructureScenario,
+        folder: &Path,
+    ) -> Result<Assembly<PatchStructure>, SimulationError> {
+        let Self { ports, bodies, own, .. } = self;
+        let (damping, internal) = scenario.damping.of_bodies()?;
+        if !matches!(scenario.damping, DampingSpec::MassProportional(_) | DampingSpec::Rayleigh(_))
+        {
+            return Err(SimulationError::model(
+                "/damping",
+                "the kind is not one of a structure of matrices",
+                "mass_proportional or rayleigh",
+            ));
+        }
+        let time = internal.retardation_time().unwrap_or(0.0);
+        let count = ports.count;
+        let joined: Vec<(&ReducedBody, &[usize])> =
+            bodies.iter().zip(own).map(|(body, own)| (body, own.as_slice())).collect();
+        let modes = ReducedBody::joined(&joined, count, time, ports.pairs.clone());
+        let modes = modes.map_err(StructureError::from)?;
+        let contacts =
+            contacts_at_rest(&modes, &ports.contacts(scenario)?, &ports.loads(scenario))?;
+        let modes_per_body = bodies.iter().map(|body| body.angular_frequencies.len()).collect();
+        let rigid_motions = bodies.iter().map(ReducedBody::rigid_count).collect();
+        let structure = PreloadedStructure::of_components(modes, contacts, damping)?;
+        let interfaces = ports.patches.iter().map(|patch| whole(patch, structure.contacts()));
+        let structure = PatchStructure {
+            interfaces: interfaces.collect::<Result<_, _>>()?,
+            structure: Arc::new(structure),
+            patches: ports.patches.clone(),
+            load: ports.load,
+            sensors: ports.sensors.clone(),
+            modes_per_body,
+            rigid_motions,
+        };
+        let direction = base_direction(scenario)?;
+        let named = |(spec, &port): (&SensorSpec, &usize)| Sensor {
+            name: Some(spec.name.clone()),
+            port: Port::Number(port),
+            kind: spec.kind,
+            base_share: direction.map_or(0.0, |direction| share(spec, direction)),
+        };
+        Ok(Assembly {
+            load: load_case_at(&scenario.excitation, Port::Number(structure.load), folder)?,
+            sensors: scenario.sensors.iter().zip(&structure.sensors).map(named).collect(),
+            structure,
+            sampling: Sampling::new(scenario.duration_s, scenario.output_rate_hz)?,
+            method: Integrator::default(),
+            accuracy: scenario.accuracy.unwrap_or(DEFAULT_ACCURACY),
+        })
+    }
+}
+
 /// Assembles the structure of `scenario`; its files are looked for in `folder`.
 ///
 /// # Errors
-/// [`SimulationError::Matrices`] for files that cannot be read; [`SimulationError::Model`] for places, bodies and
-/// directions that do not exist; [`SimulationError::Structure`] without static equilibrium.
+/// Those of [`ReducedStructure::new`] and [`ReducedStructure::assemble`].
 pub fn assemble_patches(
     scenario: &StructureScenario,
     folder: &Path,
 ) -> Result<Assembly<PatchStructure>, SimulationError> {
-    let (damping, internal) = scenario.damping.of_bodies()?;
-    if !matches!(scenario.damping, DampingSpec::MassProportional(_) | DampingSpec::Rayleigh(_)) {
-        return Err(SimulationError::model(
-            "/damping",
-            "the kind is not one of a structure of matrices",
-            "mass_proportional or rayleigh",
-        ));
-    }
-    let time = internal.retardation_time().unwrap_or(0.0);
-    let key = ReductionKey::new(folder, scenario)?;
-    // The files of a kept reduction were checked when it was made.
-    let (ports, reduced) = if let Some(found) = kept_reduction::find(folder, &key) {
-        (Ports::read(scenario, folder, false)?, found)
-    } else {
-        let (ports, made, _) = reduced(scenario, folder, &key)?;
-        (ports, made)
-    };
-    let count = ports.patterns.len();
-    let own: Vec<Vec<usize>> = (0..scenario.bodies.len()).map(|body| ports.of(body)).collect();
-    let fits = |(body, own): (&ReducedBody, &Vec<usize>)| body.residual.ports() == own.len();
-    if reduced.len() != own.len() || !reduced.iter().zip(&own).all(fits) {
-        let problem = "the kept reduction is not one of this structure";
-        return Err(SimulationError::model(
-            "/bodies",
-            problem,
-            format!("a folder {FOLDER} that is removed"),
-        ));
-    }
-    let joined: Vec<(&ReducedBody, &[usize])> =
-        reduced.iter().zip(&own).map(|(body, own)| (body, own.as_slice())).collect();
-    let modes = ReducedBody::joined(&joined, count, time, ports.pairs.clone());
-    let modes = modes.map_err(StructureError::from)?;
-    let contacts = contacts_at_rest(&modes, &ports.contacts, &ports.loads)?;
-    let modes_per_body = reduced.iter().map(|body| body.angular_frequencies.len()).collect();
-    let rigid_motions = reduced.iter().map(ReducedBody::rigid_count).collect();
-    let structure = PreloadedStructure::of_components(modes, contacts, damping)?;
-    let interfaces = ports.patches.iter().map(|patch| whole(patch, structure.contacts()));
-    let structure = PatchStructure {
-        interfaces: interfaces.collect::<Result<_, _>>()?,
-        structure: Arc::new(structure),
-        patches: ports.patches,
-        load: ports.load,
-        sensors: ports.sensors,
-        modes_per_body,
-        rigid_motions,
-    };
-    let named = |(spec, &port): (&asperity_scenario::SensorSpec, &usize)| Sensor {
-        name: Some(spec.name.clone()),
-        port: Port::Number(port),
-        kind: spec.kind,
-    };
-    Ok(Assembly {
-        load: load_case(scenario, structure.load, folder)?,
-        sensors: scenario.sensors.iter().zip(&structure.sensors).map(named).collect(),
-        structure,
-        sampling: Sampling::new(scenario.duration_s, scenario.output_rate_hz)?,
-        method: Integrator::default(),
-        accuracy: scenario.accuracy.unwrap_or(DEFAULT_ACCURACY),
-    })
+    ReducedStructure::new(scenario, folder)?.assemble(scenario, folder)
 }
+
+/// Reductions in memory, for scenarios many of which have the same.
+#[derive(Debug, Default)]
+pub struct ReducedStructures {
+    known: Mutex<Vec<Arc<ReducedStructure>>>,
+}
+
+impl ReducedStructures {
+    /// As [`assemble_patches`], with a reduction that is read or made once.
+    ///
+    /// # Errors
+    /// Those of [`assemble_patches`].
+    pub fn assemble(
+        &self,
+        scenario: &StructureScenario,
+        folder: &Path,
+    ) -> Result<Assembly<PatchStructure>, SimulationError> {
+        let key = ReductionKey::new(folder, scenario)?;
+        let all = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = all().iter().find(|one| one.key == key).map(Arc::clone);
+        let found = if let Some(found) = known {
+            found
+        } else {
+            // Not under the lock: threads that help with a reduction may come here.
+            let made = Arc::new(ReducedStructure::of_key(key, scenario, folder)?);
+            let mut known = all();
+            if known.len() >= MOST_KEPT {
+                known.remove(0);
+            }
+            known.push(Arc::clone(&made));
+            made
+        };
+        found.assemble(scenario, folder)
+    }
+}
+
+/// Most reductions in memory.
+const MOST_KEPT: usize = 64;
 
 /// The ports, and the bodies in their modes, with the flexibility at their ports and the shapes at their rows; both are
 /// kept.
@@ -148,7 +232,7 @@ pub(super) fn reduced<'a>(
     let ports = read.in_scope(|| Ports::read(scenario, folder, true))?;
     let reduce = |(number, body): (usize, &Body)| {
         let own = ports.of(number).into_iter();
-        let patterns: Vec<PortPattern> = own.map(|port| ports.patterns[port].1.clone()).collect();
+        let patterns: Vec<PortPattern> = own.map(|port| ports.pattern(port, number)).collect();
         let dofs = body.matrices.dofs().to_vec();
         let body = body.sparse(ports.decks[number].as_ref())?;
         let modes = scenario.bodies[number].reduction.modes;
@@ -176,17 +260,12 @@ fn whole(
     Ok(PreloadedContact::new(&patch.name, area, Arc::clone(cells[0].law()), force / area)?)
 }
 
-fn load_case(
-    scenario: &StructureScenario,
-    port: usize,
-    folder: &Path,
-) -> Result<LoadCase, SimulationError> {
-    if matches!(scenario.excitation, ExcitationSpec::BaseMotion { .. }) {
-        let problem = "a motion of the base is not taken by structures of matrices";
-        return Err(SimulationError::model("/excitation/kind", problem, "a force at a node"));
+/// Cosine of the angle between the direction of a sensor and one of unit length.
+fn share(sensor: &SensorSpec, direction: [f64; 3]) -> f64 {
+    match sensor.at.as_ref().map(|at| &at.along) {
+        Some(Along::Node { direction: own, .. }) => {
+            unit(*own).map_or(0.0, |own| own.iter().zip(direction).map(|(a, b)| a * b).sum())
+        }
+        _ => 0.0,
     }
-    let load =
-        scenario.excitation.load_case_at(Port::Number(port), |file| samples_of(file, folder))?;
-    load.check()?;
-    Ok(load)
 }

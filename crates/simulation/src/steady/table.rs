@@ -50,7 +50,8 @@ pub fn steady_table(steady: &Steady, interfaces: &[&str]) -> DataTable {
         table = table.with(format!("{prefix}phase_1_rad"), column(&phase));
         if steady.is_base_motion {
             let transmissibility = |point: &PeriodicResponse| {
-                let motion = point.sensors[sensor].clone().absolute(point.force);
+                let base = steady.base_shares[sensor] * point.force;
+                let motion = point.sensors[sensor].clone().absolute(base);
                 motion.acceleration(1).norm() / point.force
             };
             table = table.with(format!("{prefix}transmissibility_1"), column(&transmissibility));
