@@ -157,17 +157,6 @@ impl Branch {
         self.of_kind(SpecialPointKind::Peak).find(|peak| peak.amplitude(1) >= highest.amplitude(1))
     }
 
-    /// The branch from its end to its start.
-    pub(crate) fn reversed(mut self) -> Self {
-        let last = self.points.len().saturating_sub(2);
-        for special in &mut self.special {
-            special.after = last - special.after;
-        }
-        self.points.reverse();
-        self.special.reverse();
-        self
-    }
-
     /// Special points of one kind.
     pub fn of_kind(&self, kind: SpecialPointKind) -> impl Iterator<Item = &PeriodicResponse> {
         let found = self.special.iter().filter(move |special| special.kind == kind);

@@ -35,8 +35,6 @@ const MANY_POINTS: usize = 1000;
 /// truncation is below the tolerance. Where a branch over frequency with the most harmonics does not converge, or has more
 /// than 2 000 000 points times unknowns, the one with the most of two thirds, four ninths ... as many that covers the
 /// range takes its place, and [`Branch::finer`] tells where the other ended.
-/// Where a branch over frequency comes back to its start, the one from the other end of the range takes its place if that one
-/// covers the range; its points are in the order asked for.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -87,8 +85,7 @@ pub fn trace_with_progress(
     match settings.resolution {
         FourierResolution::Fixed { harmonics, samples } => {
             let resolution = (harmonics, samples.max(4 * harmonics + 2));
-            let found = path.follow(resolution, Limits::default())?;
-            Ok(path.covering(found, Limits::default()).analysed(progress))
+            Ok(path.follow(resolution, Limits::default())?.analysed(progress))
         }
         FourierResolution::Automatic { tolerance, most } => {
             let at = |harmonics: usize, truncation: f64, work: usize| {
@@ -117,9 +114,7 @@ pub fn trace_with_progress(
                     finest = coarser;
                 }
             }
-            let points = MOST_WORK / (system.pairs() * (2 * harmonics + 1));
-            let limits = Limits { points, ..Limits::default() };
-            Ok(path.covering(finest, limits).analysed(progress))
+            Ok(finest.analysed(progress))
         }
     }
 }
@@ -143,8 +138,6 @@ impl Default for Limits {
 struct Followed<'a> {
     arc: Arc<'a>,
     recorder: BranchRecorder<'a>,
-    /// True if it began at the end of the range.
-    is_reversed: bool,
 }
 
 impl Followed<'_> {
@@ -154,8 +147,7 @@ impl Followed<'_> {
 
     /// The branch with its stability.
     fn analysed(mut self, progress: &dyn Fn()) -> Branch {
-        let branch = self.recorder.ended(&mut self.arc, progress);
-        if self.is_reversed { branch.reversed() } else { branch }
+        self.recorder.ended(&mut self.arc, progress)
     }
 
     /// True if the branch ended for a reason that fewer harmonics may not have.
@@ -242,25 +234,7 @@ impl<'a> Path<'a, '_> {
             point = next;
         };
         recorder.branch.termination = termination;
-        Ok(Followed { arc, recorder, is_reversed: false })
-    }
-
-    /// The branch itself, or the one that covers the range from its other end where the branch has come back: at the
-    /// start then are several responses, and the range is covered by another of them.
-    fn covering(&self, found: Followed<'a>, limits: Limits) -> Followed<'a> {
-        let Continuation::Frequency { force, from, to } = self.continuation else {
-            return found;
-        };
-        if found.branch().termination != Termination::Returned {
-            return found;
-        }
-        let branch = found.branch();
-        let resolution = (branch.harmonics, branch.samples);
-        let continuation = Continuation::Frequency { force, from: to, to: from };
-        match (Path { continuation, ..*self }).follow(resolution, limits) {
-            Ok(other) if other.branch().is_complete() => Followed { is_reversed: true, ..other },
-            _ => found,
-        }
+        Ok(Followed { arc, recorder })
     }
 
     /// The response at the start: from the linear one, or else along rising forces.

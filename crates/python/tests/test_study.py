@@ -58,7 +58,8 @@ def test_a_study_equals_that_of_the_command(
 
     with pytest.raises(StopIteration):
         asperity.study(path, out=out, progress=stop)
-    assert 0 < stopped[0] < 1
+    # The rows may all be done before the first report.
+    assert 0 < stopped[0] <= 1
     with pytest.raises(FileExistsError, match="resume=True continues it"):
         asperity.study(path, out=out)
     again = asperity.study(path, out=out, resume=True, exceed=[("fundamental.frequency_hz", 850)])

@@ -34,6 +34,7 @@ fn main() {
             document.set("/method", "modal").unwrap();
             document.set("/excitation/peak_n", force).unwrap();
             let simulator = RowSimulator::new(document, vec![vec![place.to_owned()]]).unwrap();
+            let simulator = simulator.with_near_structures();
             let value = |row: u32| low + (high - low) * (f64::from(row) + 0.5) / f64::from(count);
             let rows: Vec<_> = (0..count).map(|row| vec![json!(value(row))]).collect();
             let started = Instant::now();

@@ -191,8 +191,10 @@ mod tests {
         };
         for (places, [low, high], law, peak, opens) in STUDIES {
             let places: Vec<String> = places.iter().map(|&place| place.to_owned()).collect();
-            let simulator =
-                || RowSimulator::new(document(law, peak, 1e-3), vec![places.clone()]).unwrap();
+            let simulator = || {
+                let document = document(law, peak, 1e-3);
+                RowSimulator::new(document, vec![places.clone()]).unwrap().with_near_structures()
+            };
             let value = |row: u32| low + (high - low) * (f64::from(row) + 0.37) / 24.0;
             let rows: Vec<Vec<Value>> = (0..24).map(|row| vec![json!(value(row))]).collect();
             let found = simulator().run(&rows);

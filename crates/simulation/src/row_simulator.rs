@@ -47,9 +47,16 @@ impl RowSimulator {
     /// # Errors
     /// [`SimulationError`] when the scenario itself cannot be set up.
     pub fn new(document: Document, places: Vec<Places>) -> Result<Self, SimulationError> {
-        let runner = RowRunner::new(document, places, true).with_near_structures();
+        let runner = RowRunner::new(document, places, true);
         let names = runner.names()?;
         Ok(Self { runner, columns: names.to_vec(), names })
+    }
+
+    /// The same, whose rows take step, modes and errors from a structure near their own: rows with equal numbers in five binary
+    /// digits share it. A row depends on its own values all the same.
+    #[must_use]
+    pub fn with_near_structures(self) -> Self {
+        Self { runner: self.runner.with_near_structures(), ..self }
     }
 
     /// The same, with the magnitude of the receptance at these frequencies \[Hz\] in each row.

@@ -271,37 +271,3 @@ fn a_branch_that_time_integration_does_not_confirm_has_a_warning() {
     assert!((relative_difference - off).abs() < 5e-3, "{relative_difference} {off}");
     assert!(relative_difference > 0.02);
 }
-
-/// A branch that comes back to the start of its range, a superharmonic resonance with several responses, is followed from
-/// the other end, and given in the order asked for.
-#[test]
-fn a_range_with_several_responses_at_its_start_is_covered_from_its_end() {
-    const STACK: &str = r#"{"schema": "asperity/scenario/1", "duration_s": 0.1,
-        "bodies": [{"name": "upper", "length_m": 0.03782, "mass_kg": 2.5467, "youngs_modulus_pa": 71e9, "density_kg_per_m3": 2700},
-                   {"name": "lower", "length_m": 0.05558, "mass_kg": 1.0791, "youngs_modulus_pa": 2e11, "density_kg_per_m3": 2700}],
-        "interfaces": [
-            {"name": "a", "area_m2": 7.312e-4, "law": {"kind": "power", "coefficient": 1.8484e10, "exponent": 0.3309}},
-            {"name": "b", "area_m2": 1.826e-4, "law": {"kind": "power", "coefficient": 1.0081e10, "exponent": 0.3258}}],
-        "damping": {"kind": "mass_proportional", "ratio": 0.01202}}"#;
-    let document = Document::parse(STACK, "stack.json").unwrap();
-    let assembly = Assembly::new(&document.scenario().unwrap(), document.folder()).unwrap();
-    let request = SteadyRequest {
-        from_hz: 194.76,
-        to_hz: 1168.6,
-        harmonics: Some(6),
-        ..request(9.5098, BodyModel::Elastic)
-    };
-    let found = steady(&assembly, &request).unwrap();
-    let branch = found.levels[0].outcome.as_ref().unwrap();
-    assert!(branch.is_complete(), "{:?}", branch.termination);
-    let ends = [branch.points.first(), branch.points.last()].map(|end| end.unwrap().frequency_hz());
-    assert!((ends[0] - 194.76).abs() < 1e-6 && (ends[1] - 1168.6).abs() < 1e-6, "{ends:?}");
-    let peaks = branch.special.iter().filter(|one| one.kind == SpecialPointKind::Peak);
-    let mut count = 0;
-    for peak in peaks {
-        let [before, after] = [0, 1].map(|n| branch.points[peak.after + n].amplitude(1));
-        assert!(peak.response.amplitude(1) >= before.max(after) * (1.0 - 1e-9));
-        count += 1;
-    }
-    assert!(count >= 2, "{count} peaks");
-}

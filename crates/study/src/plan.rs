@@ -173,6 +173,7 @@ impl StudyPlan {
     /// [`StudyError::Study`] when the scenario cannot be set up.
     pub fn simulator(&self) -> Result<RowSimulator, StudyError> {
         let simulator = RowSimulator::new(self.scenario.clone(), self.places.clone())?;
+        let simulator = simulator.with_near_structures();
         Ok(match self.spec.frf {
             Some(frf) => simulator.with_frf(frf.frequencies()),
             None => simulator,
