@@ -48,7 +48,7 @@ pub(crate) fn framed() -> String {
     HTML.replace(STYLE_LINK, &style).replace(SCRIPT_LINK, &script)
 }
 
-/// What the page loads, and its script.
+/// Style and script that the page loads.
 const STYLE_LINK: &str = "<link rel=\"stylesheet\" href=\"style.css\">";
 const SCRIPT_LINK: &str = "<script type=\"module\" src=\"explore.js\"></script>";
 

@@ -167,7 +167,7 @@ impl Followed<'_> {
     }
 }
 
-/// What is followed, and who is told of it.
+/// A continuation to be followed, and the listener that is told of its points.
 #[derive(Clone, Copy)]
 struct Path<'a, 'p> {
     system: &'a ContactSystem,

@@ -64,7 +64,7 @@ fn browser(profile: &Path) -> Option<(Browser, String)> {
     Some((Browser(child), address?))
 }
 
-/// What a script of this folder saw in the browser; none without the program that runs it.
+/// The report of a script of this folder on what it saw in the browser; none without the program that runs it.
 fn driven(script: &str, arguments: &[&str]) -> Option<Value> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite").join(script);
     let mut node = Command::new("node");

@@ -25,7 +25,7 @@ pub(super) struct Period {
     damping: Vec<f64>,
     /// `(1 + K_c R)^-1 K_c` by rows, place after place.
     stiffness: Vec<f64>,
-    /// Where there are many contacts both are those of the modes, `Phi^T .. Phi`.
+    /// Present with many contacts: both are those of the modes then, `Phi^T .. Phi`.
     modal: Option<ModalContacts>,
 }
 
