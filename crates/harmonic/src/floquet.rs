@@ -108,7 +108,7 @@ impl<'a> FloquetSolver<'a> {
             None if friction => (Integration::Friction(Box::default()), &[][..]),
             None => (Integration::RungeKutta(RungeKutta::default()), &runge_kutta::PLACES[..]),
         };
-        // Matrices of the modes are smaller than those of more contacts than half as many.
+        // Matrices of the modes need less work, unless the contacts are fewer than half as many.
         let many = 2 * system.contacts().len() > variation.modes.len();
         let period = match &integration {
             Integration::RungeKutta(_) if many => Period::modal(places),

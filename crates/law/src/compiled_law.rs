@@ -374,7 +374,7 @@ impl CompiledLaw {
         all.filter(|distance| distance.is_finite()).fold(0.0, f64::max)
     }
 
-    /// Width of cell `i` in those of the grid.
+    /// Width of cell `i` in widths of the grid.
     fn width(&self, i: usize) -> f64 {
         if i <= self.fine_cells as usize { 1.0 / DIVISION as f64 } else { 1.0 }
     }

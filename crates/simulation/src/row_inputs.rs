@@ -83,8 +83,8 @@ impl RowInputs {
         deserialised(part.get_mut("excitation").map(Value::take).unwrap_or_default())
     }
 
-    /// The values of a row with those of the structure rounded, but for whole numbers and texts; the structure
-    /// is that of a row near this one, and of other rows.
+    /// The values of a row, rounded where they are numbers of the structure, but for whole numbers and texts: other rows
+    /// share that structure.
     pub(crate) fn rounded<T: AsRef<str>>(&self, row: &[T]) -> Vec<String> {
         let is_rounded = |place: &String| ROUNDED.iter().any(|start| place.starts_with(start));
         let near = |(places, text): (&Places, &T)| {
@@ -112,7 +112,7 @@ impl RowInputs {
     }
 }
 
-/// Places whose numbers are rounded for the structure near that of a row.
+/// Places whose numbers are rounded for the near structure of a row.
 const ROUNDED: [&str; 6] =
     ["/bodies/", "/interfaces/", "/laws/", "/damping/", "/support/", "/gravity_m_per_s2"];
 

@@ -4,8 +4,8 @@
 //! time in the lanes of vectors and refined by error control; rows by finite differences one by one.
 //! The result of a row depends on its own values alone, not on other rows, threads, or lanes.
 //!
-//! Rows of a study take step, modes and errors from a structure near their own, whose numbers are those of the
-//! row rounded to five binary digits: rows close to each other share it.
+//! Rows of a study take step, modes and errors from a structure near their own, with the numbers of the row rounded
+//! to five binary digits: rows close to each other share it.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -52,7 +52,7 @@ pub(crate) struct RowRunner {
     control: ErrorControl,
     /// Prepared scenarios by the values that change more than the force.
     prepared: Mutex<Known>,
-    /// The same for the structures near those of rows; none where each row is refined by itself.
+    /// The same for near structures of rows; none where each row is refined by itself.
     near: Option<Mutex<Known>>,
     /// The assembled structures of matrices.
     patches: PatchRows,
@@ -205,7 +205,7 @@ impl RowRunner {
         Ok(kept(&mut known(), MOST_PREPARED, key, Some(prepared.clone())).unwrap_or(prepared))
     }
 
-    /// The structure near that of a row, and the load with its amplitude rounded; none for a load that lasts,
+    /// The near structure of a row, and the load with its amplitude rounded; none for a load that lasts,
     /// whose response depends on the structure more strongly, for friction, and where no structure is near.
     fn near<T: AsRef<str>>(
         &self,

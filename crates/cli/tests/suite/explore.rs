@@ -80,8 +80,8 @@ fn the_page_is_served_until_ctrl_c() {
     assert_eq!(served.child.wait().unwrap().code(), Some(0));
 }
 
-/// 2000 inputs, fifty at a time: all are answered or superseded, the last one is right, and the memory of the last 1500 is
-/// that of the first 500.
+/// 2000 inputs, fifty at a time: all are answered or superseded, the last one is right, and after the first 500 the memory
+/// does not grow.
 #[cfg(target_os = "linux")]
 #[test]
 fn many_inputs_leave_the_memory_flat() {

@@ -15,7 +15,7 @@ pub(super) struct ModalContacts {
     /// Pairs that carry, and the roots of their tangents.
     active: Vec<usize>,
     roots: Vec<f64>,
-    /// The factor by rows; those of its columns from the diagonal on are used.
+    /// The factor by rows, each used from the diagonal on.
     factor: Vec<f64>,
     /// Y, and then K Phi of the active pairs, by rows.
     solved: Vec<f64>,
@@ -87,7 +87,7 @@ impl ModalContacts {
     }
 
     /// Writes the damping for the contact dampers `C_c` \[N s/m\] under the stiffness written last, a row for each
-    /// mode: that of [`VariationalEquation::damping`].
+    /// mode: [`VariationalEquation::damping`] in the coordinates of the modes.
     #[inline]
     pub(super) fn damping(
         &mut self,

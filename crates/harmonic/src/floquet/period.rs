@@ -25,7 +25,7 @@ pub(super) struct Period {
     damping: Vec<f64>,
     /// `(1 + K_c R)^-1 K_c` by rows, place after place.
     stiffness: Vec<f64>,
-    /// Present with many contacts: both are those of the modes then, `Phi^T .. Phi`.
+    /// Present with many contacts: stiffness and damping are matrices of the modes then, `Phi^T .. Phi`.
     modal: Option<ModalContacts>,
 }
 
@@ -40,7 +40,7 @@ impl Period {
         Self { modal: Some(ModalContacts::default()), ..Self::new(places) }
     }
 
-    /// True if stiffness and damping are those of the modes.
+    /// True if stiffness and damping are matrices of the modes.
     pub(super) fn is_modal(&self) -> bool {
         self.modal.is_some()
     }

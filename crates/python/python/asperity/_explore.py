@@ -29,7 +29,7 @@ export default {
     frame.style.cssText = `width: 100%; height: ${model.get("height")}px; border: 0;`;
     const address = URL.createObjectURL(new Blob([model.get("page")], { type: "text/html" }));
     frame.src = address;
-    // Numbers of the requests of one frame among those of all frames of the model.
+    // Tells the requests of this frame from requests of other frames of the model.
     const name = [...crypto.getRandomValues(new Uint32Array(2))].join("-");
     const asked = event => {
       const request = event.source === frame.contentWindow && event.data?.asperity;

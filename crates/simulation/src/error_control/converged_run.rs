@@ -90,7 +90,7 @@ impl RunRequest {
         Some(Self { prepared, load, near: None, ..self.clone() })
     }
 
-    /// The request of the near run, whose loss of contact is like that of this request.
+    /// The request of the near run, which loses contact as this request does.
     pub(super) fn near_run(&self) -> Option<Self> {
         let (prepared, load) = self.near.clone()?;
         Some(Self { prepared, load, near: None, ..self.clone() })
