@@ -63,8 +63,8 @@ pub enum ExploreError {
 /// A part of an answer to a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Reply {
-    /// Status as in HTTP, before all lines: 200, 400 for a request that is not understood, 404 for a place that is
-    /// not there.
+    /// Status as in HTTP, before all lines: 200; 400 for a request that is not understood, 404 for a place that is
+    /// not there, 413 for one that is too long, 503 once the page is closed.
     Status(u16),
     /// A line, JSON.
     Line(String),

@@ -40,7 +40,8 @@ pub(crate) fn state_files(
     results: &[Results],
     views: &[View],
 ) -> Result<Files, FigureError> {
-    let mut files = vec![("scenario.json".to_owned(), pretty(state.document.value()))];
+    let mut files =
+        vec![("scenario.json".to_owned(), pretty(&state.document.with_absolute_files()))];
     for results in results {
         for (view, figure) in &results.figures {
             if let (true, Ok(figure)) = (views.contains(view), figure) {
@@ -56,14 +57,19 @@ pub(crate) fn state_files(
 /// The state as a problem of `asperity identify`: the laws of the interfaces and the gain of the force from the
 /// measured hits.
 pub(crate) fn problem_files(state: &State, measured: &Measured) -> Result<Files, String> {
-    let AnyScenario::Bars(scenario) = &state.scenario else {
-        return Err("identification takes scenarios of bars".to_owned());
+    let laws: Vec<(&str, &LawRef)> = match &state.scenario {
+        AnyScenario::Bars(bars) => {
+            bars.interfaces.iter().map(|one| (&*one.name, &one.law)).collect()
+        }
+        AnyScenario::Structure(structure) => {
+            structure.interfaces.iter().map(|one| (&*one.name, &one.law)).collect()
+        }
     };
     let mut unknowns: Vec<Value> = Vec::new();
     let mut known = Vec::new();
-    for interface in &scenario.interfaces {
-        let LawRef::Named(name) = &interface.law else {
-            return Err(format!("the law of {} has no name; name it in \"laws\"", interface.name));
+    for (interface, law) in laws {
+        let LawRef::Named(name) = law else {
+            return Err(format!("the law of {interface} has no name; name it in \"laws\""));
         };
         if !known.contains(&name) {
             known.push(name);
@@ -80,7 +86,7 @@ pub(crate) fn problem_files(state: &State, measured: &Measured) -> Result<Files,
         "data": [{ "kind": "analysis", "file": file.display().to_string() }],
     });
     Ok(vec![
-        ("scenario.json".to_owned(), pretty(state.document.value())),
+        ("scenario.json".to_owned(), pretty(&state.document.with_absolute_files())),
         ("problem.json".to_owned(), pretty(&problem)),
     ])
 }

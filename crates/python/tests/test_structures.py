@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import asperity
+from conftest import ROOT
 
 MASSES = (2.0, 1.0)
 SPRING = 4e6
@@ -131,3 +132,11 @@ def test_laws_of_structures_are_those_of_bars(tmp_path: Path) -> None:
     assert law.stiffness(1e5) == asperity.Law(LAW).stiffness(1e5)
     table = asperity.tabulate(scenario)["rough"]
     assert np.array_equal(table["stiffness_pa_per_m"], law.stiffness(table["pressure_pa"]))
+
+
+def test_a_saved_structure_finds_its_files(tmp_path: Path) -> None:
+    lap = asperity.Scenario(ROOT / "fixtures" / "structures" / "lap-joint" / "lap.json")
+    lap.save(tmp_path / "lap.json")
+    found = asperity.Scenario(tmp_path / "lap.json").to_dict()
+    names = [found["bodies"][0]["mesh"], *(found["bodies"][0]["matrices"][key] for key in ("stiffness", "mass"))]
+    assert all((tmp_path / name).is_file() for name in names), names

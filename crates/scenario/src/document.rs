@@ -267,6 +267,15 @@ impl Document {
         &self.path
     }
 
+    /// The document for any folder: names of its files, of samples, matrices, meshes and cells, are absolute.
+    pub fn with_absolute_files(&self) -> Value {
+        let folder = std::path::absolute(self.folder());
+        let folder = folder.unwrap_or_else(|_| self.folder().to_owned());
+        let mut value = self.value().clone();
+        make_absolute(&mut value, &folder);
+        value
+    }
+
     /// Folder that relative file names in the document start from.
     pub fn folder(&self) -> &Path {
         match self.path.parent() {
@@ -291,5 +300,25 @@ fn sorted(value: &Value) -> Value {
         }
         Value::Array(items) => items.iter().map(sorted).collect(),
         other => other.clone(),
+    }
+}
+
+/// Keys whose texts are names of files.
+const FILE_KEYS: [&str; 6] = ["file", "stiffness", "mass", "rows", "mesh", "cells"];
+
+fn make_absolute(value: &mut Value, folder: &Path) {
+    match value {
+        Value::Array(items) => items.iter_mut().for_each(|item| make_absolute(item, folder)),
+        Value::Object(object) => {
+            for (key, inner) in object {
+                match inner {
+                    Value::String(name) if FILE_KEYS.contains(&key.as_str()) => {
+                        *name = folder.join(&*name).display().to_string();
+                    }
+                    inner => make_absolute(inner, folder),
+                }
+            }
+        }
+        _ => {}
     }
 }

@@ -104,3 +104,19 @@ fn a_newly_chosen_law_is_as_stiff_at_rest() {
         assert!((0.8..1.25).contains(&ratio), "{kind}: {ratio}");
     }
 }
+
+/// The saved scenario finds its files from another folder.
+#[test]
+fn a_saved_structure_finds_its_files() {
+    let Some((folder, path)) = copied() else { return };
+    let mut options = ExploreOptions::default();
+    let out = folder.path().join("elsewhere/out");
+    options.out = Some(out.clone());
+    let page = Page::of(&path, &options);
+    let answer: Value =
+        serde_json::from_str(&page.post("keep", &json!({ "changes": [] })).body).unwrap();
+    assert_eq!(answer["written"], json!(["scenario.json"]), "{answer}");
+    let saved = Document::read(out.join("scenario.json")).unwrap();
+    let scenario = saved.structure_scenario().unwrap();
+    assert!(simulate_patches(&saved, &scenario, &|_| ()).is_ok());
+}

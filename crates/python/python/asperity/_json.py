@@ -58,12 +58,16 @@ def save(scenario: _asperity.Scenario, path: str | os.PathLike[str], *, overwrit
         raise
 
 
+#: Keys whose texts are names of files: of samples, matrices, meshes and cells.
+_FILES = {"file", "stiffness", "mass", "rows", "mesh", "cells"}
+
+
 def _moved(value: Any, old: Path, new: Path) -> Any:
-    """A document for another folder: each relative ``file`` leads to the same file."""
+    """A document for another folder: each relative name of a file leads to the same file."""
     if isinstance(value, dict):
         return {
             key: _led(member, old, new)
-            if key == "file" and isinstance(member, str)
+            if key in _FILES and isinstance(member, str)
             else _moved(member, old, new)
             for key, member in value.items()
         }
