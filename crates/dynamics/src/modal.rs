@@ -53,6 +53,7 @@ mod dense_output;
 mod energy;
 mod fast_modes;
 mod increasing_root;
+mod lane_start;
 mod law_tables;
 mod linear_system;
 mod linear_tail;

@@ -54,7 +54,8 @@ pub struct Work {
 
 #[derive(Debug, Default)]
 struct State {
-    started: Option<Instant>,
+    /// Beginnings of the whole, and of the part under way.
+    started: Option<[Instant; 2]>,
     stage: usize,
     /// Evaluations that each part is expected to need, or has needed.
     expected: [f64; STAGES],
@@ -79,15 +80,15 @@ impl Work {
     /// The progress; `None` before the beginning.
     pub fn progress(&self) -> Option<WorkProgress> {
         let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        let elapsed = state.started?.elapsed().as_secs_f64();
+        let elapsed = state.started?.map(|begun| begun.elapsed().as_secs_f64());
         let here = self.points.load(Ordering::Relaxed) as f64;
         let done = state.expected[..state.stage].iter().sum::<f64>() + here;
         let rest: f64 = state.expected[state.stage + 1..].iter().sum();
-        // A part that needs more than was expected is taken to be nearly finished.
-        let own = state.expected[state.stage].max(1.05 * here);
+        // A part that needs more than was expected is taken to need a quarter more than so far.
+        let own = state.expected[state.stage].max(1.25 * here);
         let whole = done - here + own + rest;
         let share = if whole > 0.0 { done / whole } else { 0.0 };
-        let left = (done > 0.0).then(|| Duration::from_secs_f64(elapsed * (whole - done) / done));
+        let left = seconds_left(elapsed, [done, here], [own, rest]).map(Duration::from_secs_f64);
         let stages =
             [WorkStage::Fit, WorkStage::Profiles, WorkStage::Posterior, WorkStage::Comparison];
         Some(WorkProgress { stage: stages[state.stage], share, left })
@@ -97,7 +98,7 @@ impl Work {
     pub(crate) fn plan(&self, expected: [f64; STAGES]) {
         self.points.store(0, Ordering::Relaxed);
         *self.state.lock().unwrap_or_else(PoisonError::into_inner) =
-            State { started: Some(Instant::now()), stage: 0, expected };
+            State { started: Some([Instant::now(); 2]), stage: 0, expected };
     }
 
     /// Expects more evaluations of a part.
@@ -113,6 +114,9 @@ impl Work {
         let before = state.stage;
         state.expected[before] = here;
         state.stage = stage as usize;
+        if let Some([_, part]) = &mut state.started {
+            *part = Instant::now();
+        }
     }
 
     /// Evaluations so far.
@@ -127,6 +131,21 @@ impl Work {
     pub(crate) fn add(&self, points: usize) {
         self.points.fetch_add(points, Ordering::Relaxed);
     }
+}
+
+/// Share of a part from which on its own pace is known.
+const PACE_KNOWN: f64 = 0.05;
+
+/// Time left \[s\] after the seconds since the whole and its part under way began, with the evaluations
+/// `done` in all and `here` in the part, which needs `own` before the `rest`. A part keeps its pace, which
+/// may be another than before (its hits may open contacts), and so does what comes after it.
+fn seconds_left(
+    [whole, part]: [f64; 2],
+    [done, here]: [f64; 2],
+    [own, rest]: [f64; 2],
+) -> Option<f64> {
+    let pace = if here > PACE_KNOWN * own { part / here } else { whole / done };
+    (done > 0.0).then(|| pace * (own - here + rest))
 }
 
 /// Evaluations that each part of a typical identification needs.
@@ -192,7 +211,11 @@ mod tests {
         // More than expected.
         work.add(350);
         let more = work.progress().unwrap().share;
-        assert!(more > 0.5 && more < 0.6, "{more}");
+        assert_eq!(more, 0.5);
+        // Two slow parts after a fast one; the pace of a part that has hardly begun is the pace so far.
+        assert_eq!(seconds_left([110.0, 100.0], [200.0, 100.0], [400.0, 50.0]), Some(350.0));
+        assert_eq!(seconds_left([10.0, 0.0], [100.0, 0.0], [400.0, 50.0]), Some(45.0));
+        assert_eq!(seconds_left([1.0, 1.0], [0.0, 0.0], [400.0, 50.0]), None);
         work.begin(WorkStage::Profiles);
         work.begin(WorkStage::Posterior);
         assert_eq!(work.progress().unwrap().share, 400.0 / 600.0);

@@ -16,7 +16,7 @@ use super::simd::outcome::{Outcome, RunEnd};
 use super::step_model::InterpolationChoice;
 use super::step_size::{MOST_HALVINGS, Resolution};
 use super::transient_case::{CaseResponse, TransientCase, first_table_exponents, pressure_at};
-use super::variable_steps;
+use super::variable_steps::{self, Ended, Midway};
 use crate::error::balanced;
 use crate::{ContactExtremes, DynamicsError, InstructionSet, Sampling, Transient};
 
@@ -40,6 +40,8 @@ struct Attempt {
     lane: PreparedCase,
     settings: Settings,
     decimation: Arc<Decimation>,
+    /// The case where its own steps ended; none for a case from rest.
+    midway: Option<Arc<Midway>>,
 }
 
 /// Settings of an attempt.
@@ -121,15 +123,14 @@ impl Batch {
         let mut preparation = Preparation { shapes: LoadShapes::default(), decimation };
         let mut attempts = Vec::with_capacity(cases.len());
         for (index, case) in cases.iter().enumerate() {
-            if case.tolerance.is_some() {
-                let respond = |(step, _)| {
-                    variable_steps::respond(case, &decimation(index, step), self.instructions)
-                };
-                results[index] = Some(case.first_step().and_then(respond));
-                continue;
-            }
-            match preparation.first(index, case) {
-                Ok(attempt) => attempts.push(attempt),
+            let first = if case.tolerance.is_some() {
+                self.own_steps(index, case, &mut preparation, true)
+            } else {
+                preparation.first(index, case).map(Begun::Attempt)
+            };
+            match first {
+                Ok(Begun::Attempt(attempt)) => attempts.push(attempt),
+                Ok(Begun::Done(response)) => results[index] = Some(Ok(*response)),
                 Err(error) => results[index] = Some(Err(error)),
             }
         }
@@ -149,6 +150,20 @@ impl Batch {
                     };
                     for (attempt, outcome) in group.iter().zip(outcomes) {
                         let case = &cases[attempt.index];
+                        if let Some(midway) = &attempt.midway {
+                            let next = match attempt.after_midway(midway, outcome) {
+                                Some(begun) => Ok(begun),
+                                None => {
+                                    self.own_steps(attempt.index, case, &mut preparation, false)
+                                }
+                            };
+                            match next {
+                                Ok(Begun::Attempt(next)) => again.push(next),
+                                Ok(Begun::Done(done)) => results[attempt.index] = Some(Ok(*done)),
+                                Err(error) => results[attempt.index] = Some(Err(error)),
+                            }
+                            continue;
+                        }
                         match attempt.next(case, &outcome, &mut preparation) {
                             Ok(None) => {
                                 results[attempt.index] = Some(Ok(attempt.record(outcome)));
@@ -164,6 +179,25 @@ impl Batch {
         // No block ran where the machine lacks the instructions.
         let lost = || Err(DynamicsError::InstructionSet { set: self.instructions });
         results.into_iter().map(|result| result.unwrap_or_else(lost)).collect()
+    }
+
+    /// A case at steps of its own, to its end or to where equal steps take it on.
+    fn own_steps(
+        &self,
+        index: usize,
+        case: &TransientCase,
+        preparation: &mut Preparation<'_>,
+        may_end_midway: bool,
+    ) -> Result<Begun, DynamicsError> {
+        let (step, _) = case.first_step()?;
+        let decimation = (preparation.decimation)(index, step);
+        match variable_steps::respond(case, &decimation, self.instructions, may_end_midway)? {
+            Ended::Whole(response) => Ok(Begun::Done(response)),
+            Ended::Midway(midway) => {
+                let attempt = preparation.first(index, case)?;
+                Ok(Begun::Attempt(attempt.after(Arc::new(*midway))))
+            }
+        }
     }
 
     /// The whole response to one case.
@@ -257,6 +291,12 @@ impl Settings {
     }
 }
 
+/// A case that is done, or to be attempted at equal steps.
+enum Begun {
+    Done(Box<CaseResponse>),
+    Attempt(Attempt),
+}
+
 /// Preparation of attempts, with what they share.
 struct Preparation<'a> {
     shapes: LoadShapes,
@@ -286,8 +326,9 @@ impl Preparation<'_> {
         let sensor = case.sensor;
         let tail = tail.and_then(|from| tabulated.linear_tail(sensor, (from, steps), &decimation));
         let (model, amplitude) = (Arc::clone(&case.model), case.load.amplitude());
-        let lane = PreparedCase { model, tabulated, load, amplitude, sensor, steps, tail };
-        Ok(Attempt { index, lane, settings, decimation })
+        let lane =
+            PreparedCase { model, tabulated, load, amplitude, sensor, steps, start: None, tail };
+        Ok(Attempt { index, lane, settings, decimation, midway: None })
     }
 }
 
@@ -298,7 +339,8 @@ impl Attempt {
         let key = |attempt: &Self| {
             let lane = &attempt.lane;
             let modes = lane.tabulated.step_model.modes.len();
-            let size = (lane.steps, lane.integrated(), modes, lane.model.rows());
+            let steps = (lane.first_step(), lane.integrated(), lane.steps);
+            let size = (steps, modes, lane.model.rows());
             (size, lane.model.is_dissipative())
         };
         // The lanes of a block share one filter.
@@ -356,6 +398,32 @@ impl Attempt {
         }
     }
 
+    /// The attempt from where the steps of its own ended.
+    fn after(self, midway: Arc<Midway>) -> Self {
+        let start = Some(Arc::clone(&midway.start));
+        // The rest in closed form begins behind the start.
+        let tail = self.lane.tail.filter(|tail| tail.from > midway.start.step + CHUNK);
+        Self { lane: PreparedCase { start, tail, ..self.lane }, midway: Some(midway), ..self }
+    }
+
+    /// The whole response of a case that went on at equal steps, or the attempt without a rest in closed
+    /// form; none if equal steps do not serve the case.
+    fn after_midway(&self, midway: &Midway, outcome: Outcome) -> Option<Begun> {
+        if outcome.end != RunEnd::Done || not_finite(&self.lane, &outcome).is_some() {
+            return None;
+        }
+        let energy = ledger(&self.lane, &outcome);
+        if self.lane.tail.is_some() && !ring_down::is_straight(&self.lane, &outcome, &energy) {
+            let lane = PreparedCase { tail: None, ..self.lane.clone() };
+            return Some(Begun::Attempt(Self { lane, ..self.clone() }));
+        }
+        let rest = self.record(outcome);
+        let opens = rest.contacts.iter().any(|contact| contact.lost > 0.0);
+        let joined = midway.joined(rest);
+        let is_balanced = !Resolution::too_coarse(joined.energy.residual_relative());
+        (!opens && is_balanced).then(|| Begun::Done(Box::new(joined)))
+    }
+
     fn record(&self, outcome: Outcome) -> CaseResponse {
         CaseResponse {
             step: self.lane.tabulated.step_model.step,
@@ -396,10 +464,16 @@ fn contact_extremes(lane: &PreparedCase, outcome: &Outcome) -> Vec<ContactExtrem
             // The pressure rises with the closure, so both have their extremes together.
             let at = |closure: f64| pressure_at(contact, open_below, closure);
             let ([pressure_min, _], [pressure_max, _]) = (at(seen.lowest), at(seen.highest));
-            // From steps 1 to N to steps 0 to N - 1, and to the parts of steps without contact.
-            let [[_, first], [_, last]] = [at(0.0), at(outcome.closure)];
+            // From steps 1 to N to steps 0 to N - 1, and to the parts of steps without contact; after
+            // other steps, to the mean of both.
+            let (first, share) = match &lane.start {
+                Some(start) => (start.stiffness[i], 0.5),
+                None => (at(0.0)[1], 1.0),
+            };
+            let [_, last] = at(outcome.closure);
             let touching = if seen.open_excess == 0.0 { 0.0 } else { law.stiffness(TOUCH * state) };
-            let shifted = (first - last - touching * seen.open_excess) / lane.steps as f64;
+            let shifted =
+                (share * (first - last) - touching * seen.open_excess) / lane.steps as f64;
             ContactExtremes {
                 pressure_min,
                 pressure_max,

@@ -64,6 +64,15 @@ impl DampedTable {
     pub(super) fn rows(&self) -> &[TableRow] {
         &self.rows
     }
+
+    /// R \[Pa s\] at a place in cells, a whole number where one begins.
+    pub(super) fn impulse(&self, place: f64) -> f64 {
+        let cells = self.rows.len() / 2;
+        let cell = (place.floor() as usize).min(cells.saturating_sub(1));
+        let Some([c0, c1, c2, c3]) = self.rows.get(cells + cell) else { return 0.0 };
+        let t = place - cell as f64;
+        c0 + t * (c1 + t * (c2 + t * c3))
+    }
 }
 
 /// Places and weights of the Gauss rule of four points on 0 to 1.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::assembly::{ModalModel, TabulatedModel};
+use super::lane_start::LaneStart;
 use super::linear_tail::LinearTail;
 use super::load_steps::LoadSteps;
 
@@ -18,12 +19,19 @@ pub(super) struct PreparedCase {
     pub(super) sensor: usize,
     /// Steps of the response.
     pub(super) steps: usize,
+    /// The state after some steps; none for a case from rest.
+    pub(super) start: Option<Arc<LaneStart>>,
     /// The last steps in closed form; none where all steps are integrated.
     pub(super) tail: Option<Arc<LinearTail>>,
 }
 
 impl PreparedCase {
-    /// Steps to integrate.
+    /// Steps that came before.
+    pub(super) fn first_step(&self) -> usize {
+        self.start.as_ref().map_or(0, |start| start.step)
+    }
+
+    /// Last step to integrate.
     pub(super) fn integrated(&self) -> usize {
         self.tail.as_ref().map_or(self.steps, |tail| tail.from)
     }

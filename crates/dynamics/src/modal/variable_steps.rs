@@ -13,9 +13,13 @@
 //! where it falls far below. A kink of a law, where contact opens or closes, gives an error of the first
 //! power of h, so that the steps across it shrink with the tolerance.
 //!
+//! Once contact holds, the load acts slowly and base steps are not divided any more, the rest may be left to
+//! equal steps, which many cases take side by side: [`Ended::Midway`].
+//!
 //! | module | holds |
 //! |---|---|
 //! | [`integration`] | a case on its way: its steps and their lengths |
+//! | [`midway`] | the case as equal steps take it on |
 //! | [`contact_solve`] | closures and tractions at the end of a step |
 //! | [`measures`] | extremes, times without contact, mean stiffness and energies |
 #![allow(
@@ -26,7 +30,9 @@
 mod contact_solve;
 mod integration;
 mod measures;
+mod midway;
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use pulp::{Arch, NullaryFnOnce};
@@ -37,6 +43,8 @@ use super::transient_case::{CaseResponse, TransientCase, first_table_exponents};
 use crate::error::{balanced, positive};
 use crate::{DynamicsError, History, InstructionSet, Sampling, Transient};
 use integration::Integration;
+pub(super) use midway::Midway;
+use midway::Watch;
 
 /// Base steps of a case, and the error of the tractions within a step.
 #[derive(Debug, Clone, Copy)]
@@ -63,15 +71,27 @@ impl StepControl {
     }
 }
 
-/// The response to a case at steps of its own, through the filter of `decimation`.
+/// End of a case at steps of its own.
+#[derive(Debug)]
+pub(super) enum Ended {
+    Whole(Box<CaseResponse>),
+    /// Where equal steps serve as well.
+    Midway(Box<Midway>),
+}
+
+/// The response to a case at steps of its own, through the filter of `decimation`, or the case midway where
+/// that is enough.
 pub(super) fn respond(
     case: &TransientCase,
     decimation: &Arc<Decimation>,
     set: InstructionSet,
-) -> Result<CaseResponse, DynamicsError> {
-    Recording::Filtered(decimation)
-        .run(case, StepControl::of(case)?, set)
-        .map(|(response, _)| response)
+    may_end_midway: bool,
+) -> Result<Ended, DynamicsError> {
+    let recording = Recording::Filtered { decimation, may_end_midway };
+    Ok(match recording.run(case, StepControl::of(case)?, set)? {
+        Run::Whole(response, _) => Ended::Whole(response),
+        Run::Midway(midway) => Ended::Midway(midway),
+    })
 }
 
 /// The whole response to a case at steps of its own, whose samples are at ends of base steps.
@@ -87,16 +107,27 @@ pub(super) fn transient(
         steps: sampling.samples() * parts,
         ..longest
     };
-    let (response, history) = Recording::Every(parts).run(case, control, set)?;
-    let CaseResponse { step, integrated_steps: steps, contacts, energy, .. } = response;
-    Ok(Transient { step, steps, history, contacts, energy })
+    match Recording::Every(parts).run(case, control, set)? {
+        Run::Whole(response, history) => {
+            let CaseResponse { step, integrated_steps: steps, contacts, energy, .. } = *response;
+            Ok(Transient { step, steps, history, contacts, energy })
+        }
+        // Not asked for.
+        Run::Midway(_) => Err(DynamicsError::InstructionSet { set }),
+    }
+}
+
+/// A run to its end, or midway.
+enum Run {
+    Whole(Box<CaseResponse>, History),
+    Midway(Box<Midway>),
 }
 
 /// Record of the motion.
 #[derive(Debug, Clone, Copy)]
 enum Recording<'a> {
     /// The displacement of one sensor, filtered and decimated.
-    Filtered(&'a Arc<Decimation>),
+    Filtered { decimation: &'a Arc<Decimation>, may_end_midway: bool },
     /// All sensors and contacts at every so many base steps.
     Every(usize),
 }
@@ -107,7 +138,7 @@ impl Recording<'_> {
         case: &TransientCase,
         control: StepControl,
         set: InstructionSet,
-    ) -> Result<(CaseResponse, History), DynamicsError> {
+    ) -> Result<Run, DynamicsError> {
         match case.model.rows() {
             1 => self.of::<1>(case, control, set),
             2 => self.of::<2>(case, control, set),
@@ -122,14 +153,18 @@ impl Recording<'_> {
         case: &TransientCase,
         control: StepControl,
         set: InstructionSet,
-    ) -> Result<(CaseResponse, History), DynamicsError> {
+    ) -> Result<Run, DynamicsError> {
         let exponents = first_table_exponents(case);
         let mut run: Integration<'_, N> =
             Integration::new(&case.model, &case.load, &exponents, control)?;
         let (mut readings, mut history) = (vec![0.0], History::default());
         let none = Arc::new(Decimation { factor: 1, taps: Arc::new([]) });
+        let mut watch = None;
         let decimation = match self {
-            Self::Filtered(decimation) => decimation,
+            Self::Filtered { decimation, may_end_midway } => {
+                watch = may_end_midway.then(|| Watch::new(case, control)).flatten();
+                decimation
+            }
             Self::Every(_) => {
                 let (sensors, contacts) = (case.model.sensors(), case.model.contacts().len());
                 history = History::with_capacity(control.steps + 1, sensors, contacts);
@@ -137,14 +172,22 @@ impl Recording<'_> {
                 &none
             }
         };
-        let record = |run: &Integration<'_, N>, done: usize| match self {
-            Self::Filtered(_) => readings.push(run.displacement(case.sensor)),
-            Self::Every(parts) if done.is_multiple_of(parts) && done < control.steps => {
-                run.record(&mut history, done as f64 * control.base);
+        let mut midway = false;
+        let record = |run: &mut Integration<'_, N>, done: usize| {
+            match self {
+                Self::Filtered { .. } => readings.push(run.displacement(case.sensor)),
+                Self::Every(parts) if done.is_multiple_of(parts) && done < control.steps => {
+                    run.record(&mut history, done as f64 * control.base);
+                }
+                Self::Every(_) => {}
             }
-            Self::Every(_) => {}
+            midway = watch.as_mut().is_some_and(|watch| watch.ends_at(run, done));
+            if midway { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         on(set, Steps(&mut run, record))??;
+        if let (true, Some(watch)) = (midway, watch) {
+            return Ok(Run::Midway(Box::new(watch.midway(&run, readings))));
+        }
         // The state at the very end is beyond the samples.
         readings.truncate(control.steps);
         let energy = run.ledger();
@@ -161,14 +204,16 @@ impl Recording<'_> {
             is_of_second_order: false,
             table_exponents: exponents,
         };
-        Ok((response, history))
+        Ok(Run::Whole(Box::new(response), history))
     }
 }
 
 /// All steps of a run, and what sees the state at the end of each base step.
 struct Steps<'r, 'a, R, const N: usize>(&'r mut Integration<'a, N>, R);
 
-impl<R: FnMut(&Integration<'_, N>, usize), const N: usize> NullaryFnOnce for Steps<'_, '_, R, N> {
+impl<R: FnMut(&mut Integration<'_, N>, usize) -> ControlFlow<()>, const N: usize> NullaryFnOnce
+    for Steps<'_, '_, R, N>
+{
     type Output = Result<(), DynamicsError>;
 
     #[inline(always)]

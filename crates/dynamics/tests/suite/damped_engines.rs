@@ -32,9 +32,9 @@ impl Draw {
 
 pub(crate) struct Case {
     pub(crate) name: String,
-    stack: Stack,
+    pub(crate) stack: Stack,
     pub(crate) force: LoadCase,
-    rate: f64,
+    pub(crate) rate: f64,
 }
 
 /// A rig of one or two bodies whose contacts have laws and dampings of their own.

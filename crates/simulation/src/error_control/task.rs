@@ -190,9 +190,8 @@ impl<'a> Task<'a> {
         load: LoadCase,
     ) -> Result<TransientCase, SimulationError> {
         let (parts, tolerance) = if self.varies_steps() {
-            // Long steps serve the output alone.
-            let halvings = level.step.max(0) / 2;
-            (f64::from(halvings).exp2(), Some(FIRST_TOLERANCE / 16.0_f64.powi(level.step)))
+            // The longest steps are those of the rest, after contact was lost.
+            (f64::from(level.step).exp2(), Some(FIRST_TOLERANCE / 16.0_f64.powi(level.step)))
         } else {
             (f64::from(level.step).exp2(), None)
         };
@@ -295,8 +294,7 @@ impl<'a> Task<'a> {
 
     /// Steps of the level, or those that a response has `taken` if they are more.
     fn step_count(&self, taken: usize) -> f64 {
-        let parts = if self.varies_steps() { 1.0 } else { f64::from(self.level.step).exp2() };
-        (self.duration / self.first_step * parts).max(taken as f64)
+        (self.duration / self.first_step * f64::from(self.level.step).exp2()).max(taken as f64)
     }
 
     fn most_work(&self) -> f64 {

@@ -60,9 +60,20 @@ impl<S: Simd> BlockExtremes<S> {
                     set_lane::<S>(&mut check_above, lane, 0.0);
                 }
             }
+            let mut tail = [zero; 2];
+            for (lane, case) in block.lanes.iter().enumerate() {
+                let Some((case, start)) = case.and_then(|case| Some((case, case.start.as_ref()?)))
+                else {
+                    continue;
+                };
+                let per_metre = case.tabulated.cells_per_metre(i);
+                for (age, numbers) in tail.iter_mut().rev().enumerate() {
+                    set_lane::<S>(numbers, lane, start.closure[i][age] * per_metre);
+                }
+            }
             InterfaceExtremes {
                 extremes: vec![LaneExtremes::default(); 2 * S::F64_LANES],
-                tail: [zero; 2],
+                tail,
                 check_below,
                 check_above,
                 open_below,

@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::block::{LanePair, LaneVector, Step, lane_of};
+use super::block::{LanePair, LaneVector, Step, lane_of, set_lane};
 use crate::modal::decimation::Decimation;
 
 /// Numbers on lines of their own: a vector that straddles two costs twice.
@@ -28,6 +28,23 @@ impl<S: Simd> Decimator<S> {
         let taps: Vec<f64> = decimation.taps.iter().rev().copied().collect();
         let count = decimation.samples(steps);
         Self { samples: vec![Line(LanePair(simd).splat(0.0)); count], taps, factor, taken: 1 }
+    }
+
+    /// Takes in the outputs of one lane at steps so far, the one at rest first; all lanes have as many.
+    pub(super) fn take_before(&mut self, lane: usize, outputs: &[f64]) {
+        let reach = self.taps.len();
+        for (j, sample) in self.samples.iter_mut().enumerate() {
+            let newest = j * self.factor;
+            let oldest = (newest + 1).saturating_sub(reach);
+            if oldest >= outputs.len() {
+                break;
+            }
+            let outputs = &outputs[oldest..outputs.len().min(newest + 1)];
+            let taps = &self.taps[oldest + reach - 1 - newest..];
+            let sum = outputs.iter().zip(taps).map(|(output, tap)| output * tap).sum();
+            set_lane::<S>(&mut sample.0, lane, sum);
+        }
+        self.taken = outputs.len();
     }
 
     /// Takes in the outputs of `chunk`.

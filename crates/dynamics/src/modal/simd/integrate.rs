@@ -15,7 +15,7 @@ use crate::modal::prepared_case::PreparedCase;
 pub(in crate::modal) use run::Recording;
 use run::Run;
 
-/// Cases integrated side by side: all of as many steps, modes and interfaces.
+/// Cases integrated side by side: all from as many steps on to as many, of as many modes and interfaces.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::modal) struct BlockRun<'a> {
     pub(in crate::modal) lanes: &'a [&'a PreparedCase],
@@ -84,7 +84,7 @@ impl BlockRun<'_> {
     #[inline(always)]
     fn with<S: TableLookup, C: Coefficient<S>, const N: usize>(self, simd: S) -> Vec<Outcome> {
         let mut run: Run<'_, S, C, N> = Run::new(simd, self.lanes, self.recording);
-        let mut reached = 0;
+        let mut reached = run.first;
         while reached < run.steps && run.goes_on() {
             // The last states are recorded one by one.
             let left = run.steps - reached;

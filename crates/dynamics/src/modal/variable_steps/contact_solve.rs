@@ -28,7 +28,7 @@ pub(super) struct Contact<'a> {
     pub(super) preloaded: &'a PreloadedContact,
     table: Arc<CompiledLaw>,
     /// Least traction increment \[Pa\].
-    least: f64,
+    pub(super) least: f64,
     /// Closure increment \[m\] at and below which contact is lost.
     pub(super) open_below: f64,
 }
@@ -63,6 +63,7 @@ pub(super) struct RowStep<const N: usize> {
     step: f64,
     closure: [Matrix<N>; 2],
     rate: [Matrix<N>; 2],
+    /// Losses of accelerations per traction and per its rate, modes that follow at once included.
     acceleration: [Matrix<N>; 2],
     /// Loss of the closure per traction by modes that follow at once.
     follows: Matrix<N>,
@@ -77,12 +78,21 @@ impl<const N: usize> RowStep<N> {
         let both = |pair: &[RowMatrix; 2]| {
             array::from_fn(|k| array::from_fn(|i| array::from_fn(|j| entry(&pair[k], i, j))))
         };
+        let h = step.step;
+        let follows: Matrix<N> = array::from_fn(|i| array::from_fn(|j| entry(&step.follows, i, j)));
+        // Their traction is a cubic, whose second derivative is bound to its ends.
+        let of_cubic = [-6.0 / (h * h), 4.0 / h];
+        let acceleration = array::from_fn(|k| {
+            array::from_fn(|i| {
+                array::from_fn(|j| entry(&step.acceleration[k], i, j) + of_cubic[k] * follows[i][j])
+            })
+        });
         Self {
-            step: step.step,
+            step: h,
             closure: both(&step.closure),
             rate: both(&step.rate),
-            acceleration: both(&step.acceleration),
-            follows: array::from_fn(|i| array::from_fn(|j| entry(&step.follows, i, j))),
+            acceleration,
+            follows,
             is_damped: contacts.iter().any(|contact| contact.preloaded.damping().is_some()),
         }
     }
@@ -135,12 +145,14 @@ impl<'a> Contact<'a> {
     }
 
     /// Damping coefficient \[Pa s/m\] and its derivative by the closure.
-    fn damping(&self, [pressure, stiffness]: [f64; 2]) -> [f64; 2] {
+    #[inline(always)]
+    fn damping(&self, closure: f64, [pressure, stiffness]: [f64; 2]) -> [f64; 2] {
         let Some(damping) = self.preloaded.damping() else { return [0.0; 2] };
         let pressure = self.pressure() + pressure;
-        let slope = self.preloaded.law().stiffness_slope(pressure);
+        let is_open = closure <= self.open_below;
+        let slope = if is_open { 0.0 } else { self.table.tangent_slope(closure) / stiffness };
         let by_closure = stiffness * damping.coefficient_slope(pressure, stiffness, slope);
-        // Without contact the slope of some laws is beyond bounds.
+        // Without contact, and beyond the table, the slope is beyond bounds.
         let by_closure = if by_closure.is_finite() { by_closure } else { 0.0 };
         [damping.coefficient(pressure, stiffness), by_closure]
     }
@@ -194,7 +206,7 @@ pub(super) fn solve<const N: usize>(
             let found = contact.law(now.closure[i]);
             [now.pressure[i], now.stiffness[i]] = found;
             if step.is_damped {
-                damping[i] = contact.damping(found);
+                damping[i] = contact.damping(now.closure[i], found);
             }
         }
         let part = rates(contacts, step, free, &damping, begin, &mut now);
@@ -271,6 +283,7 @@ fn rates<const N: usize>(
 ///
 /// with the accelerations a of modes in motion, less the flexibility F of modes that follow at once under the
 /// second derivative of the cubic from T0 and T0' on.
+#[inline(always)]
 fn damped_rates<const N: usize>(
     contacts: &[Contact<'_>],
     step: &RowStep<N>,
@@ -279,12 +292,11 @@ fn damped_rates<const N: usize>(
     begin: &RowState<N>,
     now: &mut RowState<N>,
 ) -> [bool; N] {
-    let h = step.step;
-    let by_traction =
-        |i: usize, j: usize| step.acceleration[0][i][j] - 6.0 * step.follows[i][j] / (h * h);
-    let by_rate = |i: usize, j: usize| step.acceleration[1][i][j] + 4.0 * step.follows[i][j] / h;
-    let before: [f64; N] =
-        array::from_fn(|j| (6.0 * begin.traction[j] / h + 2.0 * begin.traction_rate[j]) / h);
+    let inverse = step.step.recip();
+    let [by_traction, by_rate] = &step.acceleration;
+    let before: [f64; N] = array::from_fn(|j| {
+        (6.0 * begin.traction[j] * inverse + 2.0 * begin.traction_rate[j]) * inverse
+    });
     let mut part = [false; N];
     for _ in 0..=N {
         let held = |j: usize, number: f64| if part[j] { 0.0 } else { number };
@@ -297,16 +309,16 @@ fn damped_rates<const N: usize>(
         });
         // T' = constant + sum of shares of w.
         let implicit: Matrix<N> = array::from_fn(|i| {
-            array::from_fn(|j| f64::from(u8::from(i == j)) + c[i] * held(j, by_rate(i, j)))
+            array::from_fn(|j| f64::from(u8::from(i == j)) + c[i] * held(j, by_rate[i][j]))
         });
         let constant = array::from_fn(|i| {
-            let by_state = (0..N).map(|j| by_traction(i, j) * at_rest[j]).sum::<f64>();
+            let by_state = (0..N).map(|j| by_traction[i][j] * at_rest[j]).sum::<f64>();
             c[i] * (free.acceleration[i] - product(&step.follows[i], &before) - by_state)
         });
         let constant = linear_solve(implicit, constant);
         let shares: Matrix<N> = array::from_fn(|j| {
             let column = array::from_fn(|i| {
-                held(i, if i == j { slope[j] } else { 0.0 }) - c[i] * by_traction(i, j) * c[j]
+                held(i, if i == j { slope[j] } else { 0.0 }) - c[i] * by_traction[i][j] * c[j]
             });
             linear_solve(implicit, column)
         });

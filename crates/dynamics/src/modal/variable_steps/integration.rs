@@ -1,6 +1,7 @@
 //! A case on its way: its steps and their lengths.
 
 use std::array;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use asperity_structure::LoadCase;
@@ -26,6 +27,9 @@ const SMALL: f64 = 1.0 / 40.0;
 
 /// Traction over the static pressure that counts as the largest so far at rest.
 const LEAST_TRACTION: f64 = 1e-3;
+
+/// Loss of the pressure at rest, over all of it, from which on a contact is near opening.
+const NEAR_OPENING: f64 = 0.9;
 
 /// Steps of one case at most.
 const MOST_STEPS: usize = 8_000_000;
@@ -86,6 +90,8 @@ pub(super) struct Integration<'a, const N: usize> {
     /// Steps taken, and the shortest \[s\].
     pub(super) taken: usize,
     pub(super) shortest: f64,
+    /// Base steps since a contact was near opening.
+    pub(super) pressed: usize,
 }
 
 impl<'a, const N: usize> Integration<'a, N> {
@@ -139,14 +145,16 @@ impl<'a, const N: usize> Integration<'a, N> {
             contacts,
             taken: 0,
             shortest: control.base,
+            pressed: 0,
         })
     }
 
-    /// Integrates to the end; `record` sees the state at the end of each base step, and their number.
+    /// Integrates to the end; `record` sees the state at the end of each base step, and their number, and
+    /// may end the run there.
     #[inline(always)]
     pub(super) fn run(
         &mut self,
-        mut record: impl FnMut(&Self, usize),
+        mut record: impl FnMut(&mut Self, usize) -> ControlFlow<()>,
     ) -> Result<(), DynamicsError> {
         let whole = 1_usize << MOST_HALVINGS;
         let mut level = FIRST_HALVINGS;
@@ -154,6 +162,7 @@ impl<'a, const N: usize> Integration<'a, N> {
         for step in 0..self.control.steps {
             // Parts of the base step that have passed, in steps of the shortest length.
             let mut passed = 0;
+            self.pressed += 1;
             while passed < whole {
                 let start = step as f64 + passed as f64 / whole as f64;
                 let error = loop {
@@ -181,7 +190,9 @@ impl<'a, const N: usize> Integration<'a, N> {
                     coefficients = self.level(level);
                 }
             }
-            record(self, step + 1);
+            if record(self, step + 1).is_break() {
+                break;
+            }
         }
         Ok(())
     }
@@ -190,10 +201,22 @@ impl<'a, const N: usize> Integration<'a, N> {
     /// may be lost.
     fn may_lengthen(&mut self, level: usize) -> bool {
         let (short, long) = (self.level(level), self.level(level - 1));
+        self.ringing(Some(&short), &long) <= self.control.tolerance * self.measures.work.abs()
+    }
+
+    /// True if base steps would lose as little of the energy of modes that ring.
+    pub(super) fn may_take_base_steps(&mut self) -> bool {
+        let long = self.level(0);
+        self.ringing(None, &long) <= self.control.tolerance * self.measures.work.abs()
+    }
+
+    /// Energy of the modes that ring \[J\] and are in motion at steps of one level, if given, and follow their
+    /// forces at once at the longer steps of another.
+    fn ringing(&self, short: Option<&Level<N>>, long: &Level<N>) -> f64 {
         let mut ringing = 0.0;
         for (n, mode) in self.model.row_modes().modes.iter().enumerate() {
             let follows = |level: &Level<N>| level.coefficients.modes[n].follows();
-            if follows(&long) && !follows(&short) {
+            if follows(long) && !short.is_some_and(follows) {
                 let (state, lane) = (&self.modes[n / LANES], n % LANES);
                 let w = mode.angular_frequency;
                 let force = state.force[lane] + mode.load * self.loaded[0];
@@ -201,7 +224,7 @@ impl<'a, const N: usize> Integration<'a, N> {
                 ringing += 0.5 * (state.velocity[lane].powi(2) + apart * apart);
             }
         }
-        ringing <= self.control.tolerance * self.measures.work.abs()
+        ringing
     }
 
     #[cold]
@@ -360,6 +383,11 @@ impl<'a, const N: usize> Integration<'a, N> {
         for i in 0..N {
             self.largest[i] = self.largest[i].max(self.rows.traction[i].abs());
         }
+        for (contact, pressure) in self.contacts.iter().zip(&self.rows.pressure) {
+            if *pressure <= NEAR_OPENING * contact.least {
+                self.pressed = 0;
+            }
+        }
         self.before = Some((step, begin));
         self.taken += 1;
         self.shortest = self.shortest.min(step);
@@ -367,7 +395,7 @@ impl<'a, const N: usize> Integration<'a, N> {
 
     /// Displacement and velocity of the load port.
     #[inline(never)]
-    fn load_port(&self) -> [f64; 2] {
+    pub(super) fn load_port(&self) -> [f64; 2] {
         let residual = &self.model.row_modes().residual;
         let mut port = self.loaded.map(|load| residual.load_port * load);
         for (shape, state) in self.shapes.iter().zip(&self.modes) {
@@ -385,6 +413,24 @@ impl<'a, const N: usize> Integration<'a, N> {
             moved[1] -= share * contact.area() * self.rows.traction_rate[i];
         }
         moved
+    }
+
+    /// Closures \[m\], tractions and their viscous parts \[Pa\] of the contacts.
+    pub(super) fn rows_now(&self) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let (rows, count) = (&self.rows, self.contacts.len());
+        let viscous = (0..count).map(|i| rows.traction[i] - rows.pressure[i]).collect();
+        (rows.closure[..count].to_vec(), rows.traction[..count].to_vec(), viscous)
+    }
+
+    /// Stiffness of each contact \[Pa/m\].
+    pub(super) fn stiffness_now(&self) -> Vec<f64> {
+        self.rows.stiffness[..self.contacts.len()].to_vec()
+    }
+
+    /// Displacement of every mode \[m kg^(1/2)\].
+    pub(super) fn modes(&self) -> impl Iterator<Item = f64> {
+        let states = self.modes.iter().flat_map(|state| state.displacement);
+        states.take(self.model.row_modes().modes.len())
     }
 
     /// Displacement of sensor `sensor` \[m\].
@@ -423,6 +469,7 @@ impl<'a, const N: usize> Integration<'a, N> {
         }
     }
 
+    /// Extremes of the contacts, with averages over the whole duration.
     pub(super) fn contact_extremes(&self) -> Vec<ContactExtremes> {
         let duration = self.control.base * self.control.steps as f64;
         let extremes = |(contact, measure): (&Contact<'_>, &ContactMeasure)| {

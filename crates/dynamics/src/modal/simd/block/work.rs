@@ -26,6 +26,20 @@ impl<V: Copy> Work<V> {
 }
 
 impl<S: Simd> LanePair<S> {
+    /// No work yet, after tractions at the last two steps, newest first, and the last increment of the
+    /// closure.
+    pub(in crate::modal) fn work_after(
+        self,
+        [traction, before]: [LaneVector<S>; 2],
+        closure_increment: LaneVector<S>,
+    ) -> Work<LaneVector<S>> {
+        let traction_increment = self.sub(traction, before);
+        // Summing by parts leaves this at the start.
+        let product = self.mul(traction_increment, closure_increment);
+        let sum = self.mul(self.splat(1.0 / 12.0), product);
+        Work { traction, traction_increment, closure_increment, sum }
+    }
+
     /// Adds a step that ends with `traction` \[Pa\] after an `increment` of the closure, in cells.
     #[inline(always)]
     pub(in crate::modal) fn add_work(

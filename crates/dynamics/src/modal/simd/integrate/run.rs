@@ -7,7 +7,8 @@ use crate::modal::linear_tail::carried;
 use crate::modal::oscillator::NODES;
 use crate::modal::prepared_case::PreparedCase;
 use crate::modal::simd::block::{
-    Block, CHUNK, Coefficient, LanePair, LaneVector, Load, PAST, Step, lane_of, total_work,
+    Block, CHUNK, Coefficient, LanePair, LaneVector, Load, PAST, Step, lane_of, set_lane,
+    total_work,
 };
 use crate::modal::simd::contact_extremes::BlockExtremes;
 use crate::modal::simd::decimator::Decimator;
@@ -37,7 +38,8 @@ pub(super) struct Run<'a, S: Simd, C, const N: usize> {
     states: Vec<[LaneVector<S>; LAST_STATES]>,
     /// The finished samples of each lane.
     samples: Vec<Vec<f64>>,
-    /// Steps to integrate, and steps of the whole response.
+    /// Steps that came before, the last step to integrate, and steps of the whole response.
+    pub(super) first: usize,
     pub(super) steps: usize,
     all_steps: usize,
 }
@@ -50,6 +52,27 @@ struct RecordedSteps {
     closure: Vec<Vec<f64>>,
 }
 
+/// The steps before the first, oldest first, and room for those of a chunk.
+fn past_steps<S: TableLookup, const N: usize>(
+    simd: S,
+    lanes: &[&PreparedCase],
+) -> Vec<Step<LaneVector<S>, N>> {
+    let zero = LanePair(simd).splat(0.0);
+    let rest = Step { pressure: [zero; N], closure: [zero; N], reading: zero };
+    let mut steps = vec![rest; PAST + CHUNK];
+    for (lane, case) in lanes.iter().enumerate() {
+        let Some(start) = &case.start else { continue };
+        for (age, step) in steps[..PAST].iter_mut().rev().enumerate() {
+            for (i, (closure, traction)) in start.closure.iter().zip(&start.traction).enumerate() {
+                let cells = closure[age] * case.tabulated.cells_per_metre(i);
+                set_lane::<S>(&mut step.closure[i], lane, cells);
+                set_lane::<S>(&mut step.pressure[i], lane, traction[age]);
+            }
+        }
+    }
+    steps
+}
+
 impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
     #[inline(always)]
     pub(super) fn new(simd: S, lanes: &[&'a PreparedCase], recording: Recording<'_>) -> Self {
@@ -57,12 +80,18 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
         let steps = lanes.first().map_or(0, |lane| lane.integrated());
         let all_steps = lanes.first().map_or(0, |lane| lane.steps);
         let zero = LanePair(simd).splat(0.0);
-        let rest = Step { pressure: [zero; N], closure: [zero; N], reading: zero };
+        let first = lanes.first().map_or(0, |lane| lane.first_step());
         let mut decimator = None;
         let mut recorded = Vec::new();
         match recording {
             Recording::Decimated(decimation) => {
-                decimator = Some(Decimator::new(simd, decimation, all_steps));
+                let mut new = Decimator::new(simd, decimation, all_steps);
+                for (lane, case) in lanes.iter().enumerate() {
+                    if let Some(start) = &case.start {
+                        new.take_before(lane, &start.readings);
+                    }
+                }
+                decimator = Some(new);
             }
             Recording::EveryStep => {
                 let column = || {
@@ -79,7 +108,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
         }
         Self {
             extremes: BlockExtremes::new(simd, &block),
-            chunk: vec![rest; PAST + CHUNK],
+            chunk: past_steps(simd, lanes),
             load: vec![Load([zero; 3]); CHUNK],
             decimator,
             recorded,
@@ -87,6 +116,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
             ends: lanes.iter().map(|_| RunEnd::Done).collect(),
             states: vec![[zero; LAST_STATES]; block.modes.len()],
             samples: Vec::new(),
+            first,
             steps,
             all_steps,
             block,
