@@ -1,4 +1,4 @@
-//! Milliseconds of a hit that loses contact: equal steps in full lanes against steps of its own, in one run.
+//! Milliseconds of a hit that loses contact: equal steps in full lanes against steps of its own, alone and in full lanes, in one run.
 //!
 //! `cargo bench -p asperity-dynamics --bench loss_of_contact` prints one table. The hits are of 32 N on the paper's
 //! rig with the power law, 0.12 s, 20 modes a body. Each row is the least of several runs, taken in turn.
@@ -39,10 +39,13 @@ fn main() {
         let step = Some(LONGEST / f64::from(parts));
         (vec![TransientCase { step, ..hit.clone() }; batch.room()], f64::INFINITY, 0)
     });
-    let own = TOLERANCES.map(|tolerance| {
-        let tolerance = Some(tolerance);
-        (vec![TransientCase { tolerance, ..hit.clone() }], f64::INFINITY, 0)
-    });
+    let own = |count: usize| {
+        TOLERANCES.map(|tolerance| {
+            let tolerance = Some(tolerance);
+            (vec![TransientCase { tolerance, ..hit.clone() }; count], f64::INFINITY, 0)
+        })
+    };
+    let own = own(1).into_iter().chain(own(batch.room()));
     let mut all: Vec<(Vec<TransientCase>, f64, usize)> = equal.into_iter().chain(own).collect();
     for _ in 0..ROUNDS {
         for (hits, least, steps) in &mut all {
@@ -58,7 +61,8 @@ fn main() {
     for (hits, seconds, steps) in &all {
         let name = match hits[0].tolerance {
             None => format!("equal steps of {:.2} us", 1e6 * hits[0].step.unwrap()),
-            Some(tolerance) => format!("steps of its own, {tolerance:.0e}"),
+            Some(tolerance) if hits.len() == 1 => format!("steps of its own, {tolerance:.0e}"),
+            Some(tolerance) => format!("steps of their own, {tolerance:.0e}, full lanes"),
         };
         println!("| {name} | {steps} | {:.2} | {:.1} |", 1e3 * seconds, shortest / seconds);
     }

@@ -107,8 +107,10 @@ impl Batch {
     ///
     /// # Steps of their own
     ///
-    /// A case with a [tolerance](TransientCase::tolerance) is integrated by itself, in steps that are its
-    /// first step halved as often as the tractions ask for. Within a step a traction is the cubic through
+    /// A case with a [tolerance](TransientCase::tolerance) is integrated by itself while its contacts open and
+    /// ring, in steps that are its first step halved as often as the tractions ask for; once no contact has been near opening
+    /// for one and a half periods of the lowest natural frequency, it goes on at steps of that length, side by
+    /// side with others. Within a step a traction is the cubic through
     /// its values and rates at both ends, and modes move exactly under it. The cubic of the step before,
     /// continued, misses the traction at the end of the step; the error of the cubic within the step, as this
     /// difference bounds it, is held below the tolerance times the largest traction so far. Where contact
