@@ -3,6 +3,7 @@
 use asperity_law::LawError;
 use std::cmp::Ordering;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use super::decimation::Decimation;
 use super::dense_output::history;
@@ -117,13 +118,25 @@ impl Batch {
         cases: &[TransientCase],
         decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
     ) -> Vec<Result<CaseResponse, DynamicsError>> {
+        self.run_unless(cases, decimation, &AtomicBool::new(false))
+    }
+
+    /// As [`run`](Self::run); once `stop` is set, cases that are not finished end with
+    /// [`DynamicsError::Stopped`]. It is looked at every 32 steps, at steps of their own once in each longest step.
+    pub fn run_unless(
+        &self,
+        cases: &[TransientCase],
+        decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
+        stop: &AtomicBool,
+    ) -> Vec<Result<CaseResponse, DynamicsError>> {
         let mut results: Vec<Option<Result<CaseResponse, DynamicsError>>> = vec![None; cases.len()];
         let mut preparation = Preparation { shapes: LoadShapes::default(), decimation };
         let mut attempts = Vec::with_capacity(cases.len());
         for (index, case) in cases.iter().enumerate() {
             if case.tolerance.is_some() {
                 let respond = |(step, _)| {
-                    variable_steps::respond(case, &decimation(index, step), self.instructions)
+                    let decimation = decimation(index, step);
+                    variable_steps::respond(case, &decimation, self.instructions, stop)
                 };
                 results[index] = Some(case.first_step().and_then(respond));
                 continue;
@@ -143,7 +156,7 @@ impl Batch {
                         group.iter().map(|attempt| &attempt.lane).collect();
                     let recording = Recording::Decimated(&group[0].decimation);
                     let Some(outcomes) =
-                        (BlockRun { lanes: &lanes, recording }).run(self.instructions)
+                        (BlockRun { lanes: &lanes, recording, stop }).run(self.instructions)
                     else {
                         continue;
                     };
@@ -175,10 +188,23 @@ impl Batch {
         case: &TransientCase,
         sampling: &Sampling,
     ) -> Result<Transient, DynamicsError> {
+        self.transient_unless(case, sampling, &AtomicBool::new(false))
+    }
+
+    /// As [`transient`](Self::transient), until `stop` is set.
+    ///
+    /// # Errors
+    /// Those of [`transient`](Self::transient), and [`DynamicsError::Stopped`].
+    pub fn transient_unless(
+        &self,
+        case: &TransientCase,
+        sampling: &Sampling,
+        stop: &AtomicBool,
+    ) -> Result<Transient, DynamicsError> {
         if case.tolerance.is_some() {
-            return variable_steps::transient(case, sampling, self.instructions);
+            return variable_steps::transient(case, sampling, self.instructions, stop);
         }
-        let (lane, outcome) = self.whole(case)?;
+        let (lane, outcome) = self.whole(case, stop)?;
         Ok(Transient {
             step: lane.tabulated.step_model.step,
             steps: lane.steps,
@@ -192,6 +218,7 @@ impl Batch {
     pub(super) fn whole(
         self,
         case: &TransientCase,
+        stop: &AtomicBool,
     ) -> Result<(PreparedCase, Outcome), DynamicsError> {
         let none = Arc::new(Decimation { factor: 1, taps: Arc::new([]) });
         let decimation = |_: usize, _: f64| Arc::clone(&none);
@@ -199,7 +226,8 @@ impl Batch {
             Preparation { shapes: LoadShapes::default(), decimation: &decimation };
         let mut attempt = preparation.first(0, case)?;
         loop {
-            let run = BlockRun { lanes: &[&attempt.lane], recording: Recording::EveryStep };
+            let recording = Recording::EveryStep;
+            let run = BlockRun { lanes: &[&attempt.lane], recording, stop };
             let outcome = run
                 .run(self.instructions)
                 .and_then(|outcomes| outcomes.into_iter().next())
@@ -251,7 +279,7 @@ impl Settings {
                 let bilateral = contacts.filter(|(_, one)| one.law().domain().is_bilateral());
                 bilateral.filter(|(i, _)| widen(*i)).count() > 0
             }
-            RunEnd::Done => false,
+            RunEnd::Done | RunEnd::Stopped(_) => false,
         };
         widened.then_some(wider)
     }
@@ -333,6 +361,7 @@ impl Attempt {
                     return Ok(None);
                 }
             }
+            RunEnd::Stopped(steps) => return Err(DynamicsError::Stopped { steps }),
             RunEnd::Beyond(i) => (i, self.lane.steps),
             RunEnd::NotFinite(reached, i) => (i, reached.saturating_sub(8 * CHUNK)),
         };

@@ -28,6 +28,7 @@ mod integration;
 mod measures;
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use pulp::{Arch, NullaryFnOnce};
 
@@ -68,9 +69,10 @@ pub(super) fn respond(
     case: &TransientCase,
     decimation: &Arc<Decimation>,
     set: InstructionSet,
+    stop: &AtomicBool,
 ) -> Result<CaseResponse, DynamicsError> {
     Recording::Filtered(decimation)
-        .run(case, StepControl::of(case)?, set)
+        .run(case, StepControl::of(case)?, (set, stop))
         .map(|(response, _)| response)
 }
 
@@ -79,6 +81,7 @@ pub(super) fn transient(
     case: &TransientCase,
     sampling: &Sampling,
     set: InstructionSet,
+    stop: &AtomicBool,
 ) -> Result<Transient, DynamicsError> {
     let longest = StepControl::of(case)?;
     let parts = (sampling.interval() / longest.base * (1.0 - 1e-9)).ceil().max(1.0) as usize;
@@ -87,7 +90,7 @@ pub(super) fn transient(
         steps: sampling.samples() * parts,
         ..longest
     };
-    let (response, history) = Recording::Every(parts).run(case, control, set)?;
+    let (response, history) = Recording::Every(parts).run(case, control, (set, stop))?;
     let CaseResponse { step, integrated_steps: steps, contacts, energy, .. } = response;
     Ok(Transient { step, steps, history, contacts, energy })
 }
@@ -106,14 +109,14 @@ impl Recording<'_> {
         self,
         case: &TransientCase,
         control: StepControl,
-        set: InstructionSet,
+        on: (InstructionSet, &AtomicBool),
     ) -> Result<(CaseResponse, History), DynamicsError> {
         match case.model.rows() {
-            1 => self.of::<1>(case, control, set),
-            2 => self.of::<2>(case, control, set),
-            3 => self.of::<3>(case, control, set),
-            4 => self.of::<4>(case, control, set),
-            _ => self.of::<MOST_INTERFACES>(case, control, set),
+            1 => self.of::<1>(case, control, on),
+            2 => self.of::<2>(case, control, on),
+            3 => self.of::<3>(case, control, on),
+            4 => self.of::<4>(case, control, on),
+            _ => self.of::<MOST_INTERFACES>(case, control, on),
         }
     }
 
@@ -121,7 +124,7 @@ impl Recording<'_> {
         self,
         case: &TransientCase,
         control: StepControl,
-        set: InstructionSet,
+        (set, stop): (InstructionSet, &AtomicBool),
     ) -> Result<(CaseResponse, History), DynamicsError> {
         let exponents = first_table_exponents(case);
         let mut run: Integration<'_, N> =
@@ -144,7 +147,7 @@ impl Recording<'_> {
             }
             Self::Every(_) => {}
         };
-        on(set, Steps(&mut run, record))??;
+        on(set, Steps(&mut run, record, stop))??;
         // The state at the very end is beyond the samples.
         readings.truncate(control.steps);
         let energy = run.ledger();
@@ -166,14 +169,14 @@ impl Recording<'_> {
 }
 
 /// All steps of a run, and what sees the state at the end of each base step.
-struct Steps<'r, 'a, R, const N: usize>(&'r mut Integration<'a, N>, R);
+struct Steps<'r, 'a, R, const N: usize>(&'r mut Integration<'a, N>, R, &'r AtomicBool);
 
 impl<R: FnMut(&Integration<'_, N>, usize), const N: usize> NullaryFnOnce for Steps<'_, '_, R, N> {
     type Output = Result<(), DynamicsError>;
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        self.0.run(self.1)
+        self.0.run(self.1, self.2)
     }
 }
 

@@ -13,6 +13,8 @@ pub(in crate::modal) enum RunEnd {
     Beyond(usize),
     /// The numbers were not finite any more at this step, at this interface.
     NotFinite(usize, usize),
+    /// The run was stopped at this step.
+    Stopped(usize),
 }
 
 /// Result of one case.

@@ -97,6 +97,13 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
         self.ends.contains(&RunEnd::Done)
     }
 
+    /// Ends the lanes that are not done at step `reached`.
+    pub(super) fn stop(&mut self, reached: usize) {
+        for end in self.ends.iter_mut().filter(|end| **end == RunEnd::Done) {
+            *end = RunEnd::Stopped(reached);
+        }
+    }
+
     /// Takes the `count` steps after step `reached`.
     #[inline(always)]
     pub(super) fn advance(&mut self, simd: S, reached: usize, count: usize) {
