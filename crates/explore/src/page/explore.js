@@ -271,6 +271,7 @@ class Card {
     const handle = make(this.handles, "circle", { cx: x, cy: y, r: 4.5, tabindex: 0, role: "slider" });
     const name = pointer.split("/")[2].replaceAll("~1", "/").replaceAll("~0", "~");
     handle.setAttribute("aria-label", `Point ${index + 1} of law ${name}`);
+    handle.setAttribute("aria-valuenow", value[index][1]);
     handle.setAttribute("aria-valuetext", `${digits(value[index][0])} Pa, ${digits(value[index][1])} Pa/m`);
     // Between its neighbours, and at zero pressure where it is there.
     const between = (number, k, bounded) => {
@@ -581,6 +582,7 @@ class Pad {
     this.handles.forEach((handle, k) => {
       handle.setAttribute("cx", places[k][0]);
       handle.setAttribute("cy", places[k][1]);
+      handle.setAttribute("aria-valuenow", this.points[k][1]);
       handle.setAttribute("aria-valuetext", `${digits(this.points[k][0])} s, ${digits(this.points[k][1])} N`);
     });
     this.texts[0].textContent = `${digits(Number(this.force.high.toPrecision(3)))} N`;

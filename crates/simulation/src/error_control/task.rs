@@ -30,7 +30,7 @@ const FIRST_TOLERANCE: f64 = 1e-5;
 const FIRST_VARIED: Level = Level { step: 1, modes: 3 };
 
 /// Level at steps of its own of a draft.
-const DRAFT_VARIED: Level = Level { step: 1, modes: 2 };
+const DRAFT_VARIED: Level = Level { step: 0, modes: 2 };
 
 /// The same of tolerances at steps of its own: beyond, rounding counts.
 const MOST_TOLERANCES: i32 = 3;
