@@ -63,7 +63,7 @@ impl Args {
 pub(crate) enum Command {
     /// Simulate one transient run: static equilibrium, time integration, observables.
     ///
-    /// Writes summary.json, history.csv, frf.csv, history.svg and frf.svg.
+    /// Writes summary.json, history.csv, frf.csv, history.svg, pressure-closure.svg and frf.svg.
     Simulate {
         #[command(flatten)]
         input: Input,

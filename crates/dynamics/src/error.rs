@@ -66,6 +66,12 @@ pub enum DynamicsError {
         /// The interface with the first value that is not finite.
         interface: String,
     },
+    /// The run was stopped.
+    #[error("the run was stopped after {steps} steps")]
+    Stopped {
+        /// Steps taken before.
+        steps: usize,
+    },
     /// The energy balance does not close: the step is too long for what happens.
     #[error(
         "the energy balance is off by {residual:.1e} of the energy at a step of {step_s:.3e} s; accepted: {limit}; use a smaller {smaller}"

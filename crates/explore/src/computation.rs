@@ -1,8 +1,10 @@
 //! Results of a part for a state, and their figures.
 
+use std::sync::atomic::AtomicBool;
+
 use asperity_figure::Figure;
 use asperity_plot::{self as plot, VisitedRange, steady_words};
-use asperity_scenario::{AnyScenario, Document, LawRef};
+use asperity_scenario::{AnyScenario, Document, LawRef, MethodSpec};
 use asperity_simulation::assemble::{Assembly, Interfaces};
 use asperity_simulation::error::SimulationError;
 use asperity_simulation::laws::ScenarioLaws;
@@ -10,14 +12,14 @@ use asperity_simulation::output::file_name::distinct_file_names;
 use asperity_simulation::patches::{assemble_patches, simulate_patches};
 use asperity_simulation::provenance::Provenance;
 use asperity_simulation::record::{frf_columns, frf_csv, history_csv, law_csv};
-use asperity_simulation::run::{Run, receptance, simulate_with_progress};
+use asperity_simulation::run::{Run, receptance, simulate_unless};
 use asperity_simulation::static_state::StaticSummary;
 use asperity_simulation::steady::{
     BodyModel, Shaken, Steady, SteadyProgress, SteadyRequest, SteadySummary, backbone_table,
     steady_table, steady_with_progress,
 };
 use asperity_simulation::summary::InterfaceSummary;
-use asperity_simulation::sweep::{SweepError, Variation, sweep_with_progress};
+use asperity_simulation::sweep::{Sweep, SweepError, Variation, draft_sweep, sweep_unless};
 use thiserror::Error;
 
 use crate::measured::Measured;
@@ -56,10 +58,22 @@ pub(crate) enum ComputationError {
     Sweep(#[from] SweepError),
     #[error("{0}")]
     Settings(String),
+    #[error("stopped")]
+    Stopped,
 }
 
 /// Receives the share that is done.
 pub(crate) type Progress<'a> = &'a (dyn Fn(f64) + Sync);
+
+/// The page that waits for a part.
+#[derive(Clone, Copy)]
+pub(crate) struct Waiting<'a> {
+    pub(crate) progress: Progress<'a>,
+    /// Set once the part is not wanted any more.
+    pub(crate) stop: &'a AtomicBool,
+    /// Receives figures of a lower accuracy, before those of a slow part; none to have no such figures.
+    pub(crate) draft: Option<&'a (dyn Fn(&Results) + Sync)>,
+}
 
 /// Computes a part.
 pub(crate) fn compute(
@@ -67,15 +81,15 @@ pub(crate) fn compute(
     state: &State,
     settings: &Settings,
     beside: Beside<'_>,
-    progress: Progress<'_>,
+    waiting: Waiting<'_>,
 ) -> Result<Results, ComputationError> {
     if let Some(fault) = settings.fault() {
         return Err(ComputationError::Settings(fault));
     }
     match part {
-        Part::Hit => hit(state, settings, beside, progress),
-        Part::Levels => levels(&state.document, settings, beside, progress),
-        Part::Steady => steady(state, settings, beside, progress),
+        Part::Hit => hit(state, settings, beside, waiting),
+        Part::Levels => levels(state, settings, beside, waiting),
+        Part::Steady => steady(state, settings, beside, waiting.progress),
     }
 }
 
@@ -84,19 +98,19 @@ fn hit(
     state: &State,
     settings: &Settings,
     beside: Beside<'_>,
-    progress: Progress<'_>,
+    waiting: Waiting<'_>,
 ) -> Result<Results, ComputationError> {
     let document = &state.document;
     let mut results = Results::default();
     match &state.scenario {
         AnyScenario::Bars(scenario) => {
-            let run = simulate_with_progress(document, scenario, progress);
+            let run = simulate_unless(document, scenario, waiting.stop, waiting.progress);
             let visited = run.as_ref().map_or(&[][..], |run| &run.summary.interfaces);
             results.add_laws(ScenarioLaws::of_bars(scenario)?, visited, beside)?;
             results.add(run.as_ref(), settings, beside)?;
         }
         AnyScenario::Structure(scenario) => {
-            let run = simulate_patches(document, scenario, progress).map(|found| found.run);
+            let run = simulate_patches(document, scenario, waiting.progress).map(|found| found.run);
             if let Ok(run) = &run {
                 let summary = &run.summary;
                 let laws = ScenarioLaws::of_structure(scenario, &summary.at_rest);
@@ -156,6 +170,9 @@ impl Results {
         });
         self.figures.push((View::Frf, frf.ok_or_else(|| "there is no load".to_owned())));
         self.figures.push((View::History, Ok(plot::history(run))));
+        let paths = plot::pressure_closure(run);
+        let paths = paths.ok_or_else(|| "there is no contact".to_owned());
+        self.figures.push((View::PressureClosure, paths));
         if beside.tables {
             self.tables.push(("history.csv".to_owned(), history_csv(run)));
             let columns = frf_columns(run)?.map(|columns| frf_csv(&columns));
@@ -189,13 +206,14 @@ fn laws_visited(
     Ok(plot::laws_visited(&named.tables()?, &ranges))
 }
 
-/// Hits of several forces.
+/// Hits of several forces, first as a draft.
 fn levels(
-    document: &Document,
+    state: &State,
     settings: &Settings,
     beside: Beside<'_>,
-    progress: Progress<'_>,
+    waiting: Waiting<'_>,
 ) -> Result<Results, ComputationError> {
+    let document = &state.document;
     let variation = match level_variation(document, settings) {
         Ok(variation) => Variation::parse(&variation).map_err(SweepError::from)?,
         Err(reason) => {
@@ -204,21 +222,53 @@ fn levels(
         }
     };
     let pointer = variation.pointer.clone();
-    let done = |done: usize, of: usize| progress(done as f64 / of as f64);
-    let sweep = sweep_with_progress(document, &[variation], &done)?;
-    let failed = sweep.failed().map(|(run, error)| format!("run {}: {error}", run + 1)).next();
-    let figure = plot::sweep(&sweep);
-    let mut figure =
-        figure.ok_or_else(|| failed.clone().unwrap_or_else(|| "nothing to draw".into()));
+    let run = |document: &Document, variation: Variation| {
+        let done = |done: usize, of: usize| (waiting.progress)(done as f64 / of as f64);
+        sweep_unless(document, &[variation], waiting.stop, &done)?.ok_or(ComputationError::Stopped)
+    };
+    let measured = beside.measured;
+    let drawn = |sweep: &Sweep| {
+        let failed = sweep.failed().map(|(run, error)| format!("run {}: {error}", run + 1)).next();
+        let figure = plot::sweep(sweep);
+        let figure =
+            figure.ok_or_else(|| failed.clone().unwrap_or_else(|| "nothing to draw".into()));
+        let figure = figure.map(|figure| match measured {
+            Some(measured) => figure.with(&measured.levels(&pointer)),
+            None => figure,
+        });
+        (figure, failed)
+    };
+    if let Some(send) = waiting.draft.filter(|_| is_drafted(state)) {
+        let variations = std::slice::from_ref(&variation);
+        let sweep = draft_sweep(document, variations, waiting.stop)?;
+        let (figure, failed) = drawn(&sweep.ok_or(ComputationError::Stopped)?);
+        let words =
+            "a draft, without estimated errors; the runs of the command follow\n".to_owned();
+        let figures = vec![(View::Levels, figure)];
+        send(&Results { figures, words, error: failed, tables: Vec::new() });
+    }
+    let sweep = run(document, variation)?;
+    let (mut figure, failed) = drawn(&sweep);
     let mut words = format!("{} runs\n", sweep.runs.len());
-    if let Some(measured) = beside.measured {
-        figure = figure.map(|figure| figure.with(&measured.levels(&pointer)));
-        let at_hits = sweep_with_progress(document, &[measured.variation(&pointer)], &done)?;
-        words.push_str(&measured.words(&at_hits));
+    if let Some(measured) = measured {
+        let runs = measured.runs(document, Some(&pointer));
+        let of = |some: &Option<(Document, Variation)>| {
+            some.clone().map(|(document, variation)| run(&document, variation)).transpose()
+        };
+        let (own, scaled) = (of(&runs.measured)?, of(&runs.scaled)?);
+        let computed = runs.computed(own, scaled);
+        figure = figure.map(|figure| figure.with(&measured.computed_levels(&pointer, &computed)));
+        words.push_str(&measured.words(&computed));
     }
     let table = beside.tables.then(|| ("levels.csv".to_owned(), sweep.csv()));
     let tables = table.into_iter().collect();
     Ok(Results { figures: vec![(View::Levels, figure)], words, error: failed, tables })
+}
+
+/// True if a draft saves time: the errors of modal responses take most of it.
+fn is_drafted(state: &State) -> bool {
+    let AnyScenario::Bars(scenario) = &state.scenario else { return false };
+    matches!(scenario.method, MethodSpec::Modal(_))
 }
 
 /// The variation of the levels, as `--vary` takes it.

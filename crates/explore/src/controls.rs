@@ -3,7 +3,7 @@
 
 use asperity_law::{Draw, LawSpec};
 use asperity_plot::pointer_words;
-use asperity_scenario::{AnyScenario, Document};
+use asperity_scenario::{AnyScenario, Document, four_digits};
 use asperity_simulation::laws::ScenarioLaws;
 use asperity_simulation::static_state::StaticSummary;
 use serde::Serialize;
@@ -50,11 +50,15 @@ enum Kind {
         chosen: String,
         options: Vec<Choice>,
     },
-    /// Pairs of a pressure and a stiffness.
+    /// Pairs of a pressure and a stiffness, or of a time and a force.
     Pairs {
         value: Vec<[f64; 2]>,
+        /// Names of both numbers with their units.
+        columns: [&'static str; 2],
         /// True where stiffnesses increase too.
         increasing: bool,
+        /// True for a force over time, which can be drawn.
+        pulse: bool,
     },
 }
 
@@ -245,7 +249,9 @@ impl<'a> Walker<'a> {
             (Some(Value::Array(items)), _) => {
                 if let Some(pairs) = pairs(items) {
                     let increasing = pointer.ends_with("/knots");
-                    found.push(control(Kind::Pairs { value: pairs, increasing }));
+                    let pulse = pointer == "/excitation/points";
+                    let columns = if pulse { ["t (s)", "F (N)"] } else { ["p (Pa)", "K (Pa/m)"] };
+                    found.push(control(Kind::Pairs { value: pairs, columns, increasing, pulse }));
                 } else if let Some(item) = node.get("items") {
                     for (index, inner) in items.iter().enumerate() {
                         self.walk(item, Some(inner), &format!("{pointer}/{index}"), found);
@@ -425,7 +431,9 @@ impl<'a> Walker<'a> {
                 let usual = USUAL.iter().find(|usual| usual.0 == key);
                 is_number.then(|| json!(usual.map_or(1.0, |usual| usual.1)))
             };
-            let value = known.or_else(|| default_of(node).cloned()).or_else(usual)?;
+            let drawn = || (key == "points").then(|| pulse(present));
+            let value =
+                known.or_else(|| default_of(node).cloned()).or_else(usual).or_else(drawn)?;
             object.insert(key.to_owned(), value);
         }
         Some(Value::Object(object))
@@ -466,6 +474,33 @@ impl<'a> Walker<'a> {
         let (low, high) = (crate::settings::rounded(low), crate::settings::rounded(high));
         Kind::Number { value, unit: pointer_words(pointer).1, whole, low, high, log }
     }
+}
+
+/// Points of a pulse to begin a drawing with: the present gamma pulse, or a haversine about as high and as long as the
+/// present force.
+fn pulse(present: Option<&Value>) -> Value {
+    /// Intervals of the points, and rise times of a gamma pulse that are drawn.
+    const PARTS: u32 = 10;
+    const RISES: f64 = 5.0;
+    let number = |key: &str| present?.get(key)?.as_f64();
+    let usual = |key: &str| USUAL.iter().find(|usual| usual.0 == key).map_or(1.0, |usual| usual.1);
+    let peak = number("peak_n").or_else(|| number("amplitude_n"));
+    let peak = peak.unwrap_or_else(|| usual("peak_n"));
+    let (duration, rise) = match number("rise_s") {
+        Some(rise) => (RISES * rise, Some(rise)),
+        None => (number("duration_s").unwrap_or_else(|| usual("duration_s")), None),
+    };
+    let point = |part: u32| {
+        let share = f64::from(part) / f64::from(PARTS);
+        let time = share * duration;
+        let shape = match rise {
+            _ if part == 0 || part == PARTS => 0.0,
+            Some(rise) => (time / rise).powi(2) * (2.0 * (1.0 - time / rise)).exp(),
+            None => (std::f64::consts::PI * share).sin().powi(2),
+        };
+        [time, peak * shape].map(|number| four_digits(number).parse().unwrap_or(number))
+    };
+    json!((0..=PARTS).map(point).collect::<Vec<_>>())
 }
 
 /// Words of a value, without the part of the scenario that the heading names.

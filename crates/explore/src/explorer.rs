@@ -11,7 +11,7 @@ use thiserror::Error;
 
 use crate::jobs::{Job, Jobs};
 use crate::measured::Measured;
-use crate::message::{Answer, ComputeRequest, KeepRequest, MOST_BYTES, StateRequest};
+use crate::message::{Answer, ComputeRequest, KeepRequest, MOST_BYTES, PulseRequest, StateRequest};
 use crate::page;
 use crate::session::{Session, Sink};
 use crate::state::Base;
@@ -27,6 +27,8 @@ pub struct ExploreOptions {
     pub out: Option<PathBuf>,
     /// An `analysis.json` whose hits are shown beside the computed ones.
     pub data: Option<PathBuf>,
+    /// True if the file of the data does not outlive the page: a problem that is written has it beside it.
+    pub data_is_temporary: bool,
     /// Changes that the document has already, as `--set` takes them: commands that the page copies repeat
     /// them.
     pub set: Vec<String>,
@@ -84,7 +86,9 @@ impl Explorer {
     /// [`ExploreError`] for a scenario that is not valid, or data that cannot be read.
     pub fn new(document: Document, options: &ExploreOptions) -> Result<Self, ExploreError> {
         document.any_scenario()?;
-        let measured = options.data.as_deref().map(Measured::read).transpose();
+        let is_temporary = options.data_is_temporary;
+        let read = |path: &Path| Measured::read(path, is_temporary);
+        let measured = options.data.as_deref().map(read).transpose();
         let measured = measured.map_err(|error| ExploreError::Data(Box::new(error)))?;
         let out = options.out.clone().unwrap_or_else(|| usual_folder(document.path()));
         let session = Session::new(Base::new(document), out, measured, options.set.clone());
@@ -98,7 +102,7 @@ impl Explorer {
         page::framed()
     }
 
-    /// Answers a request of the page at a place: `state`, `compute` or `keep`, with its JSON. Returns once the answer
+    /// Answers a request of the page at a place: `state`, `pulse`, `compute` or `keep`, with its JSON. Returns once the answer
     /// is complete; a newer request of the same page ends an older computation of the same part. `send` returns false
     /// once the answer is not waited for any more.
     pub fn answer(&self, place: &str, body: &[u8], send: &(dyn Fn(Reply) -> bool + Sync)) {
@@ -109,6 +113,10 @@ impl Explorer {
         match place {
             "state" => match parsed(body, StateRequest::fault) {
                 Ok(request) => whole(self.session.describe(&request), send),
+                Err(fault) => refuse(400, &fault, send),
+            },
+            "pulse" => match parsed(body, PulseRequest::fault) {
+                Ok(request) => whole(self.session.pulse(&request).to_string(), send),
                 Err(fault) => refuse(400, &fault, send),
             },
             "keep" => match parsed(body, KeepRequest::fault) {

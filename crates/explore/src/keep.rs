@@ -78,17 +78,29 @@ pub(crate) fn problem_files(state: &State, measured: &Measured) -> Result<Files,
     }
     unknowns.push(json!({ "kind": "gain", "channel": "force",
                           "prior": { "value": 1, "relative": GAIN } }));
-    let file = std::path::absolute(&measured.path).unwrap_or_else(|_| measured.path.clone());
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let mut files =
+        vec![("scenario.json".to_owned(), pretty(&state.document.with_absolute_files()))];
+    let data = if measured.is_temporary {
+        let read = std::fs::read(&measured.path);
+        let analysis =
+            read.map_err(|error| format!("{} cannot be read: {error}", measured.path.display()))?;
+        files.push(("analysis.json".to_owned(), analysis));
+        // Records are named from here.
+        let records = absolute(Path::new("."));
+        json!({ "kind": "analysis", "file": "analysis.json", "records": records.display().to_string() })
+    } else {
+        let file = absolute(&measured.path);
+        json!({ "kind": "analysis", "file": file.display().to_string() })
+    };
     let problem = json!({
         "schema": "asperity/identify/1",
         "scenario": "scenario.json",
         "unknowns": unknowns,
-        "data": [{ "kind": "analysis", "file": file.display().to_string() }],
+        "data": [data],
     });
-    Ok(vec![
-        ("scenario.json".to_owned(), pretty(&state.document.with_absolute_files())),
-        ("problem.json".to_owned(), pretty(&problem)),
-    ])
+    files.push(("problem.json".to_owned(), pretty(&problem)));
+    Ok(files)
 }
 
 /// The numbers of a law as unknowns.

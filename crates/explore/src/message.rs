@@ -16,7 +16,7 @@ const MOST_NAME: usize = 64;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Part {
-    /// One hit: laws, history, receptance.
+    /// One hit: laws, history, receptance, paths of the contacts.
     Hit,
     /// Hits of several forces.
     Levels,
@@ -31,19 +31,20 @@ pub(crate) enum View {
     Law,
     Frf,
     History,
+    PressureClosure,
     Levels,
     Steady,
 }
 
 impl View {
     /// All views, in the order of the page.
-    pub(crate) const ALL: [Self; 5] =
-        [Self::Law, Self::Frf, Self::History, Self::Levels, Self::Steady];
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Law, Self::Frf, Self::History, Self::PressureClosure, Self::Levels, Self::Steady];
 
     /// The part whose results it shows.
     pub(crate) fn part(self) -> Part {
         match self {
-            Self::Law | Self::Frf | Self::History => Part::Hit,
+            Self::Law | Self::Frf | Self::History | Self::PressureClosure => Part::Hit,
             Self::Levels => Part::Levels,
             Self::Steady => Part::Steady,
         }
@@ -55,6 +56,7 @@ impl View {
             Self::Law => "Contact laws",
             Self::Frf => "Receptance",
             Self::History => "Response over time",
+            Self::PressureClosure => "Pressure against closure",
             Self::Levels => "Force levels",
             Self::Steady => "Steady responses",
         }
@@ -66,6 +68,7 @@ impl View {
             Self::Law => "law",
             Self::Frf => "frf",
             Self::History => "history",
+            Self::PressureClosure => "pressure-closure",
             Self::Levels => "levels",
             Self::Steady => "steady",
         }
@@ -98,6 +101,15 @@ pub(crate) struct ComputeRequest {
     pub(crate) settings: Settings,
 }
 
+/// Asks for the measured force of a hit, as an excitation.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PulseRequest {
+    pub(crate) changes: Vec<Change>,
+    /// Number of the hit in the analysis shown, from 0.
+    pub(crate) hit: usize,
+}
+
 /// Asks to write files to the folder of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -125,6 +137,13 @@ pub(crate) struct ViewSize {
 }
 
 impl StateRequest {
+    /// The fault of the request, if it has one.
+    pub(crate) fn fault(&self) -> Option<String> {
+        too_many(&self.changes)
+    }
+}
+
+impl PulseRequest {
     /// The fault of the request, if it has one.
     pub(crate) fn fault(&self) -> Option<String> {
         too_many(&self.changes)
@@ -166,8 +185,8 @@ fn too_many(changes: &[Change]) -> Option<String> {
 pub(crate) enum Answer {
     /// Share of the computation that is done.
     Progress { done: f64 },
-    /// A figure with the data that the script of figures reads.
-    Picture { view: View, svg: String, data: String },
+    /// A figure with the data that the script of figures reads; of a draft the final one follows.
+    Picture { view: View, svg: String, data: String, draft: bool },
     /// A view that cannot be shown, with the reason.
     Absent { view: View, reason: String },
     /// The numbers of the part, as the command prints them.

@@ -22,7 +22,7 @@ use tokio::sync::{Semaphore, mpsc};
 
 use crate::explorer::{self, ExploreError, ExploreOptions, Explorer};
 use crate::jobs::Job;
-use crate::message::{ComputeRequest, KeepRequest, MOST_BYTES, StateRequest};
+use crate::message::{ComputeRequest, KeepRequest, MOST_BYTES, PulseRequest, StateRequest};
 use crate::page;
 use crate::session::DEFECT;
 
@@ -145,6 +145,7 @@ fn routes(site: &Arc<Site>) -> Router {
         .route(&at("explore.js"), get(|| file(SCRIPT, page::SCRIPT.as_bytes())))
         .route(&at("figures.js"), get(|| file(SCRIPT, page::figures().as_bytes())))
         .route(&at("state"), post(state))
+        .route(&at("pulse"), post(pulse))
         .route(&at("compute"), post(compute))
         .route(&at("keep"), post(keep));
     for (number, font) in BUNDLED_FONTS.iter().enumerate() {
@@ -225,6 +226,17 @@ async fn state(Shared(site): Shared<Arc<Site>>, body: Bytes) -> Response {
     match described {
         Ok(text) => ([(header::CONTENT_TYPE, JSON)], text).into_response(),
         Err(_) => refusal(StatusCode::INTERNAL_SERVER_ERROR, DEFECT),
+    }
+}
+
+/// Answers with the measured force of a hit.
+async fn pulse(Shared(site): Shared<Arc<Site>>, body: Bytes) -> Response {
+    match parsed(&body, PulseRequest::fault) {
+        Ok(request) => {
+            let answer = site.explorer.session.pulse(&request).to_string();
+            ([(header::CONTENT_TYPE, JSON)], answer).into_response()
+        }
+        Err(refusal) => refusal,
     }
 }
 

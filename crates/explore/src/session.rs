@@ -13,11 +13,13 @@ use asperity_simulation::static_state::StaticSummary;
 use serde_json::{Value, json};
 
 use crate::commands::commands;
-use crate::computation::{Beside, ComputationError, Results, compute};
+use crate::computation::{Beside, ComputationError, Results, Waiting, compute};
 use crate::controls::groups;
 use crate::keep::{Files, existing, problem_files, state_files, write};
 use crate::measured::Measured;
-use crate::message::{Answer, ComputeRequest, KeepRequest, Part, StateRequest, View, ViewSize};
+use crate::message::{
+    Answer, ComputeRequest, KeepRequest, Part, PulseRequest, StateRequest, View, ViewSize,
+};
 use crate::settings::Settings;
 use crate::state::{Base, Change, Fault, State};
 
@@ -109,9 +111,29 @@ impl Session {
             "faults": faults,
             "settings": settings,
             "out": self.out.display().to_string(),
-            "hits": self.measured.as_ref().map(Measured::count),
+            "hits": self.measured.as_ref().map(Measured::described),
+            "driven": self.driven(changed),
         })
         .to_string()
+    }
+
+    /// The hit whose measured force excites a document.
+    fn driven(&self, document: &Document) -> Option<usize> {
+        self.measured.as_ref()?.hit_of(document.value().get("excitation")?)
+    }
+
+    /// The measured force of a hit as an excitation of a state, as JSON.
+    pub(crate) fn pulse(&self, request: &PulseRequest) -> Value {
+        let document = self.base.changed(&request.changes).ok();
+        let present = document.as_ref().and_then(|document| document.value().get("excitation"));
+        let present = present.unwrap_or(&Value::Null);
+        let found = self.measured.as_ref().map(|hits| hits.excitation(request.hit, present));
+        match found.flatten() {
+            Some(excitation) => json!({ "excitation": excitation }),
+            None => {
+                json!({ "error": "the hit has no measured force; accepted: a hit whose record was found" })
+            }
+        }
     }
 
     /// The document with the changes of the newest valid state.
@@ -129,19 +151,24 @@ impl Session {
             let key = (request.part, request.settings.clone(), pinned.clone());
             self.kept_results(key, sink)
         });
-        let results = match self.results(request.part, &request.changes, &request.settings, sink) {
+        let draw = |results: &Results, draft: bool| {
+            for place in request.views.iter().filter(|place| place.view.part() == request.part) {
+                if sink.is_stopped() {
+                    return;
+                }
+                sink.send(&picture(*place, results, pinned.as_deref(), draft));
+            }
+            sink.send(&Answer::Words { text: results.words.clone() });
+        };
+        let draft = |results: &Results| draw(results, true);
+        let key = (request.part, request.settings.clone(), request.changes.clone());
+        let results = match self.results(&key, sink, Some(&draft)) {
             Ok(results) => results,
             Err(Failed::Faults(faults)) => return sink.send(&Answer::Faults { faults }),
             Err(Failed::Error(text)) => return sink.send(&Answer::Error { text }),
             Err(Failed::Stopped) => return,
         };
-        for place in request.views.iter().filter(|place| place.view.part() == request.part) {
-            if sink.is_stopped() {
-                return;
-            }
-            sink.send(&picture(*place, &results, pinned.as_deref()));
-        }
-        sink.send(&Answer::Words { text: results.words });
+        draw(&results, false);
         if let Some(text) = results.error {
             sink.send(&Answer::Error { text });
         }
@@ -149,10 +176,9 @@ impl Session {
 
     fn results(
         &self,
-        part: Part,
-        changes: &[Change],
-        settings: &Settings,
+        (part, settings, changes): &Key,
         sink: &Sink<'_>,
+        draft: Option<&(dyn Fn(&Results) + Sync)>,
     ) -> Result<Results, Failed> {
         let state = self.base.state(changes).map_err(Failed::Faults)?;
         let last = Mutex::new(Instant::now());
@@ -168,11 +194,13 @@ impl Session {
         };
         let beside = Beside { measured: self.measured.as_ref(), tables: false };
         let settings = settings.filled(&self.usual().0);
-        Self::caught(|| compute(part, &state, &settings, beside, &progress))
+        let waiting = Waiting { progress: &progress, stop: sink.stop, draft };
+        let found = Self::caught(|| compute(*part, &state, &settings, beside, waiting));
+        if sink.is_stopped() { Err(Failed::Stopped) } else { found }
     }
 
-    /// The results of some work, which a stop ends by unwinding from its report of progress: the engines
-    /// need no other way to be stopped. A defect of an engine ends its request alone.
+    /// The results of some work, which a stop ends by unwinding from its report of progress, where the work does not
+    /// look at the flag itself. A defect of an engine ends its request alone.
     fn caught(work: impl FnOnce() -> Result<Results, ComputationError>) -> Result<Results, Failed> {
         match catch_unwind(AssertUnwindSafe(work)) {
             Ok(results) => results.map_err(|error| Failed::Error(error.to_string())),
@@ -218,9 +246,11 @@ impl Session {
         parts.dedup();
         let beside = Beside { measured: self.measured.as_ref(), tables: true };
         let settings = request.settings.filled(&self.usual().0);
+        let never = AtomicBool::new(false);
+        let waiting = Waiting { progress: &|_| (), stop: &never, draft: None };
         let results = parts
             .into_iter()
-            .map(|part| Self::caught(|| compute(part, state, &settings, beside, &|_| ())));
+            .map(|part| Self::caught(|| compute(part, state, &settings, beside, waiting)));
         let results: Vec<Results> = results.collect::<Result<_, _>>().map_err(Failed::text)?;
         state_files(state, &results, &request.views).map_err(|error| error.to_string())
     }
@@ -231,7 +261,7 @@ impl Session {
         if let Some((_, results)) = kept().iter().find(|(known, _)| *known == key) {
             return Some(Arc::clone(results));
         }
-        let results = Arc::new(self.results(key.0, &key.2, &key.1, sink).ok()?);
+        let results = Arc::new(self.results(&key, sink, None).ok()?);
         let mut kept = kept();
         if kept.len() >= MOST_KEPT {
             kept.pop_front();
@@ -267,7 +297,7 @@ struct Stopped;
 pub(crate) const DEFECT: &str = "a defect of this program ended the request";
 
 /// The picture of a view, laid out for its place on the page.
-fn picture(place: ViewSize, results: &Results, pinned: Option<&Results>) -> Answer {
+fn picture(place: ViewSize, results: &Results, pinned: Option<&Results>, draft: bool) -> Answer {
     let of = |results: &Results| {
         let found = results.figures.iter().find(|(view, _)| *view == place.view);
         found.map(|(_, figure)| figure.clone())
@@ -281,7 +311,7 @@ fn picture(place: ViewSize, results: &Results, pinned: Option<&Results>) -> Answ
                 _ => figure,
             };
             let drawn = laid_out(figure, place).to_interactive(columns);
-            Answer::Picture { view, svg: drawn.svg, data: drawn.data }
+            Answer::Picture { view, svg: drawn.svg, data: drawn.data, draft }
         }
         Some(Err(reason)) => Answer::Absent { view, reason },
         None => Answer::Absent { view, reason: "there is no result".to_owned() },

@@ -49,7 +49,8 @@ impl Figure {
         let height = |block: &LegendBlock<'_>| block.height() + 5.0;
         let heads: Vec<f64> =
             above.iter().map(|block| block.as_ref().map_or(0.0, height)).collect();
-        let plots = page.plots(self, &heads);
+        let is_moved = heads.iter().any(|head| *head > 0.0);
+        let plots = if is_moved { page.plots(self, &heads) } else { first };
         let drawn = plots.iter().enumerate().filter(|(_, (_, plot))| !plot.panel.blank);
         for (number, (index, (start, plot))) in drawn.enumerate() {
             draw_panel(&mut canvas, plot, number);

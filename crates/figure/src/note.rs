@@ -28,6 +28,10 @@ struct Label {
 
 /// Draws the texts of a panel.
 pub(crate) fn draw(canvas: &mut Canvas, plot: &Plot<'_>) {
+    let has_texts = plot.panel.references.iter().any(|line| !line.text.is_empty());
+    if !has_texts && plot.panel.notes.is_empty() {
+        return;
+    }
     for label in labels(plot).0 {
         canvas.text(label.at.0, label.at.1, &label.text, label.style);
     }

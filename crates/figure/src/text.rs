@@ -3,6 +3,7 @@
 use crate::markup::{PX_PER_PT, escape, number};
 use skrifa::{FontRef, MetadataProvider as _, instance::LocationRef, instance::Size};
 use std::fmt::Write as _;
+use std::sync::LazyLock;
 
 /// Family name of the bundled font.
 pub(crate) const FAMILY: &str = "Inter";
@@ -119,21 +120,30 @@ pub(crate) fn tagged(content: &str, escape: impl Fn(&str) -> String) -> String {
 
 /// Width of a line of text in the bundled font, in the unit of `size`.
 pub(crate) fn width(content: &str, size: f64) -> f64 {
-    let fonts = [REGULAR, MATH].map(FontRef::new);
-    let advance = |character: char| {
-        fonts.iter().flatten().find_map(|font| {
-            let glyph = font.charmap().map(character)?;
-            font.glyph_metrics(Size::new(1.0), LocationRef::default()).advance_width(glyph)
-        })
-    };
     runs(content)
         .iter()
         .map(|run| {
             let size = if run.rise == 0 { size } else { size * SCRIPT_SIZE };
-            let advances = run.text.chars().map(|c| advance(c).map_or(UNKNOWN_WIDTH, f64::from));
-            advances.sum::<f64>() * size
+            run.text.chars().map(advance).sum::<f64>() * size
         })
         .sum()
+}
+
+/// Width of a character over the size of the font.
+fn advance(character: char) -> f64 {
+    /// Widths of Latin and Greek characters, which labels are made of.
+    static KNOWN: LazyLock<Vec<f64>> =
+        LazyLock::new(|| ('\0'..'\u{400}').map(measured_advance).collect());
+    let known = KNOWN.get(character as usize).copied();
+    known.unwrap_or_else(|| measured_advance(character))
+}
+
+fn measured_advance(character: char) -> f64 {
+    let width = [REGULAR, MATH].map(FontRef::new).into_iter().flatten().find_map(|font| {
+        let glyph = font.charmap().map(character)?;
+        font.glyph_metrics(Size::new(1.0), LocationRef::default()).advance_width(glyph)
+    });
+    width.map_or(UNKNOWN_WIDTH, f64::from)
 }
 
 /// Width of the widest of the labels of marks, in the label font.

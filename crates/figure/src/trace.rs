@@ -48,21 +48,41 @@ pub(crate) fn visible(points: &[Point], frame: &Frame) -> Vec<Vec<Point>> {
 /// Consecutive points of one column replaced by the first, the lowest, the highest and the last, in
 /// their order: with columns of [`COLUMN`] the same pixels are covered.
 pub(crate) fn decimated(points: &[Point], width: f64) -> Vec<Point> {
-    let column = |point: &Point| (point.0 / width).floor();
+    // The whole number below, without a call.
+    let column = |point: &Point| {
+        let place = point.0 / width;
+        let cut = place as i64;
+        cut - i64::from(cut as f64 > place)
+    };
     let mut kept = Vec::new();
-    for group in points.chunk_by(|a, b| column(a) == column(b)) {
+    let mut rest = points;
+    while let Some(first) = rest.first() {
+        let own = column(first);
+        let count = 1 + rest[1..].iter().take_while(|point| column(point) == own).count();
+        let (group, others) = rest.split_at(count);
+        rest = others;
         if group.len() <= 4 {
             kept.extend_from_slice(group);
             continue;
         }
-        let extreme = |sign: f64| {
-            (0..group.len()).min_by(|&i, &j| (sign * group[i].1).total_cmp(&(sign * group[j].1)))
-        };
-        let mut indices = vec![0, group.len() - 1];
-        indices.extend([extreme(1.0), extreme(-1.0)].into_iter().flatten());
+        let (mut lowest, mut highest) = (0, 0);
+        for (index, point) in group.iter().enumerate() {
+            if point.1 < group[lowest].1 {
+                lowest = index;
+            }
+            if point.1 > group[highest].1 {
+                highest = index;
+            }
+        }
+        let mut indices = [0, lowest, highest, group.len() - 1];
         indices.sort_unstable();
-        indices.dedup();
-        kept.extend(indices.into_iter().map(|index| group[index]));
+        let mut last = None;
+        for index in indices {
+            if last != Some(index) {
+                kept.push(group[index]);
+            }
+            last = Some(index);
+        }
     }
     kept
 }

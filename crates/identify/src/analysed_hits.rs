@@ -12,14 +12,14 @@
 //! which removes the change with force inside a level.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use asperity_simulation::quantity::Quantity;
 use serde_json::{Map, Value};
 
 use crate::data_files::{problem, read};
 use crate::error::IdentificationError;
-use crate::measured_forces::HitSource;
+use crate::measured_forces::{HitSource, forces_of};
 use crate::problem::{Changes, HitSpec, Measured, Uncertain, default_features};
 
 /// Least degrees of freedom of a scatter.
@@ -65,14 +65,28 @@ pub(super) fn read_analysis(path: &Path) -> Result<Map<String, Value>, Identific
         .map_err(|error| problem(path, format!("line {}: {error}", error.line()), EXPECTED))
 }
 
-/// The averaged hits of an `analysis.json` with their fundamental and harmonic ratio; standard deviations are at
-/// least the scatter of repeated hits, as an identification takes them unless told otherwise.
+/// The averaged hits of an analysis, and their forces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredHits {
+    /// The hits with their fundamental and harmonic ratio; standard deviations are at least the scatter of
+    /// repeated hits, as an identification takes them unless told otherwise.
+    pub hits: Vec<HitSpec>,
+    /// Times \[s\] and measured forces \[N\] of each hit, zero outside its pulse; none where the record is not found.
+    pub forces: Vec<Option<(Vec<f64>, Vec<f64>)>>,
+    /// Reasons why hits have no force.
+    pub reasons: Vec<String>,
+}
+
+/// The averaged hits of an `analysis.json`, with the forces in the records that it names, beside it or as named.
 ///
 /// # Errors
 /// [`IdentificationError`] for a file that is not the analysis of hits, or has no averaged hit.
-pub fn measured_hits(path: &Path) -> Result<Vec<HitSpec>, IdentificationError> {
+pub fn measured_hits(path: &Path) -> Result<MeasuredHits, IdentificationError> {
     let analysis = read_analysis(path)?;
-    Ok(analysed_hits(path, &analysis, &default_features(), true)?.hits)
+    let found = analysed_hits(path, &analysis, &default_features(), true)?;
+    let folders: Vec<PathBuf> = path.parent().map(Path::to_owned).into_iter().collect();
+    let (forces, reasons) = forces_of(&found.sources, &analysis, &folders);
+    Ok(MeasuredHits { hits: found.hits, forces, reasons })
 }
 
 /// The hits of an analysis with these features; with `repeated`, standard deviations are at least the

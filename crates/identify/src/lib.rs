@@ -87,7 +87,7 @@ mod structure_hits;
 mod tests;
 mod work;
 
-pub use analysed_hits::measured_hits;
+pub use analysed_hits::{MeasuredHits, measured_hits};
 pub use checks::PredictiveCheck;
 pub use conclusions::PressureDependence;
 pub use design::{CandidateMeasurement, DesignRanking, MeasurementKind};

@@ -24,6 +24,9 @@ const CELLS: usize = 1024;
 /// as far, where the rule of four points is exact to rounding.
 const SHORTER: f64 = 50.0;
 
+/// Share of the closure up to the end pressure from which on the end may be reached, beyond rounding.
+const NEAR_END: f64 = 1e-9;
+
 /// Newton steps at most; the start is a cell's end and the bracket is kept.
 const ITERATIONS: usize = 64;
 
@@ -300,15 +303,18 @@ impl ContactLaw for Spliced {
 
     fn pressure_increment(&self, from: f64, closure_increment: f64) -> Pressure {
         let end = self.end.start;
-        let to_end = self.closure_increment(from, end - from);
-        if closure_increment >= to_end {
-            if from >= end {
-                return self.above.pressure_increment(from, closure_increment);
-            }
-            let over = self.above.pressure_increment(end, closure_increment - to_end);
-            return Pressure { value: (end - from) + over.value, ..over };
-        }
         let start = self.closure(from);
+        // Far below the end the way to it need not be known.
+        if start + closure_increment >= (1.0 - NEAR_END) * self.end.closure {
+            let to_end = self.closure_increment(from, end - from);
+            if closure_increment >= to_end {
+                if from >= end {
+                    return self.above.pressure_increment(from, closure_increment);
+                }
+                let over = self.above.pressure_increment(end, closure_increment - to_end);
+                return Pressure { value: (end - from) + over.value, ..over };
+            }
+        }
         if closure_increment < -start {
             return Pressure::lost_from(from);
         }

@@ -5,7 +5,7 @@
 //!
 //! | result | figures | page |
 //! |---|---|---|
-//! | transient run | [`history`], [`frf`] | in the words of [`run_words`] |
+//! | transient run | [`history`], [`frf`], [`pressure_closure`] | in the words of [`run_words`] |
 //! | sweep | [`sweep`] | |
 //! | laws, modes | [`laws`], [`modes`] | |
 //! | contact patches at rest | [`pressure_maps`] | |
@@ -35,6 +35,7 @@ mod decay;
 mod frf_file;
 mod identification;
 mod magnitude;
+mod pressure_closure;
 mod pressure_map;
 mod response;
 mod run_words;
@@ -52,12 +53,13 @@ pub use decay::{decay_figures, decay_report};
 pub use frf_file::frf_file;
 pub use identification::{feature_name, identification, identification_report, measurement};
 pub use magnitude::MagnitudeAxis;
+pub use pressure_closure::pressure_closure;
 pub use pressure_map::pressure_maps;
 pub use response::{frf, history, measured_frf};
 pub use run_words::run_words;
 pub use steady::{steady, steady_report};
 pub use structure::{VisitedRange, laws, laws_visited, modes};
-pub use sweep::{measured_levels, sweep};
+pub use sweep::{HitSeries, hit_levels, sweep};
 
 /// The text, cut to `most` characters.
 fn fitted(text: &str, most: usize) -> String {

@@ -72,18 +72,40 @@ pub fn sweep(sweep: &Sweep) -> Option<Figure> {
     figure("Sweep", 2, 170.0, panels)
 }
 
-/// Measured values over the force, with bars of two standard deviations: series for
-/// [`Figure::with`](asperity_figure::Figure::with) a figure of a [`sweep`] over `pointer`.
+/// Series of hits in a figure of levels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HitSeries {
+    /// Measured values, with bars of two standard deviations.
+    Measured,
+    /// Computed values of each hit under its own measured force.
+    Computed,
+}
+
+/// Values of hits over the force: series for [`Figure::with`](asperity_figure::Figure::with) a figure of a [`sweep`] over
+/// `pointer`.
 ///
-/// - `columns`: quantities with their points: force, value, standard deviation, in SI units.
-pub fn measured_levels(pointer: &str, columns: &[(Quantity, Vec<[f64; 3]>)]) -> Figure {
+/// - `columns`: quantities with their points: force, value, standard deviation, in SI units; NaN for no deviation.
+pub fn hit_levels(
+    pointer: &str,
+    columns: &[(Quantity, Vec<[f64; 3]>)],
+    series: HitSeries,
+) -> Figure {
     let panel = |(quantity, points): &(Quantity, Vec<[f64; 3]>)| {
         let column = |at: usize| -> Vec<f64> { points.iter().map(|point| point[at]).collect() };
-        let errors: Vec<f64> = points.iter().map(|point| 2.0 * point[2]).collect();
-        let series = Series::points("measured", column(0), column(1)).errors(errors);
+        let drawn = match series {
+            HitSeries::Measured => {
+                let errors: Vec<f64> = points.iter().map(|point| 2.0 * point[2]).collect();
+                let drawn = Series::points("measured", column(0), column(1)).errors(errors);
+                drawn.color(Color::RED).filled(true)
+            }
+            HitSeries::Computed => {
+                let name = "computed, own force";
+                Series::points(name, column(0), column(1)).color(Color::RED)
+            }
+        };
         let axis = quantity_axis(*quantity, quantity.label());
         Panel::new(pointer_axis(pointer, MOST_LABEL), axis)
-            .series(series.color(Color::RED).marker_size(3.0).filled(true))
+            .series_if_visible(drawn.marker_size(3.0))
     };
-    columns.iter().map(panel).fold(Figure::new("Measured"), Figure::panel)
+    columns.iter().map(panel).fold(Figure::new("Hits"), Figure::panel)
 }

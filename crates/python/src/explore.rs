@@ -43,15 +43,16 @@ fn raised(py: Python<'_>, error: &ExploreError) -> PyErr {
 #[pymethods]
 impl PyLivePage {
     #[new]
-    #[pyo3(signature = (scenario, data, out))]
+    #[pyo3(signature = (scenario, data, out, temporary=false))]
     fn new(
         scenario: &Bound<'_, PyAny>,
         data: Option<PathBuf>,
         out: Option<PathBuf>,
+        temporary: bool,
     ) -> PyResult<Self> {
         let document = PyScenario::of(scenario, None)?.document;
         let mut options = ExploreOptions::default();
-        (options.data, options.out) = (data, out);
+        (options.data, options.data_is_temporary, options.out) = (data, temporary, out);
         let py = scenario.py();
         let explorer = py.detach(|| Explorer::new(document, &options));
         Ok(Self(Arc::new(explorer.map_err(|error| raised(py, &error))?)))

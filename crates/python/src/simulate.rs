@@ -21,11 +21,12 @@ use crate::{background, columns, exception, json};
 /// Columns by their names, and the figure that the command draws of them.
 type Drawn = (Vec<(String, Vec<f64>)>, Figure);
 
-/// History, FRF of a run with force, summary, and cells of a structure with patches.
+/// History, paths of the contacts, FRF of a run with force, summary, and cells of a structure with patches.
 struct Found {
     summary: Value,
     warnings: Vec<(&'static str, String)>,
     history: Drawn,
+    paths: Option<Figure>,
     frf: Option<Drawn>,
     cells: Option<DataTable>,
 }
@@ -42,6 +43,7 @@ impl Found {
             summary,
             warnings,
             history: (columns, asperity_plot::history(run)),
+            paths: asperity_plot::pressure_closure(run),
             frf,
             cells: None,
         })
@@ -77,17 +79,18 @@ pub(crate) fn in_words<'a>(
     warnings.into_iter().map(|warning| (warning.kind(), warning.to_string())).collect()
 }
 
-/// Results of one run for Python: summary, history, FRF, cells, and warnings.
+/// Results of one run for Python: summary, history, FRF, cells, paths of the contacts, and warnings.
 type Simulated<'py> = (
     Bound<'py, PyAny>,
     Shown<'py>,
     Option<Shown<'py>>,
     Option<Bound<'py, PyDict>>,
+    Option<PyFigure>,
     Vec<(&'static str, String)>,
 );
 
 /// Summary as a dict, history and FRF as dicts of arrays with their figures, cells of a structure of matrices
-/// as a dict of arrays, and the warnings.
+/// as a dict of arrays, the figure of the paths of the contacts, and the warnings.
 #[pyfunction]
 #[pyo3(signature = (scenario, progress))]
 pub(crate) fn simulate<'py>(
@@ -97,12 +100,19 @@ pub(crate) fn simulate<'py>(
 ) -> PyResult<Simulated<'py>> {
     let scenario = PyScenario::of(scenario, None)?;
     let outcome = background::run(py, progress, move |progress| computed(&scenario, progress))?;
-    let Found { summary, warnings, history, frf, cells } =
+    let Found { summary, warnings, history, paths, frf, cells } =
         outcome.map_err(|error| exception::of_study(py, &error))?;
     let shown = |(columns, figure): Drawn| -> PyResult<Shown<'py>> {
         Ok((columns::to_dict(py, columns)?, PyFigure::from(figure)))
     };
     let frf = frf.map(shown).transpose()?;
     let cells = cells.map(|table| columns::of_table(py, table)).transpose()?;
-    Ok((json::to_python(py, &summary)?, shown(history)?, frf, cells, warnings))
+    Ok((
+        json::to_python(py, &summary)?,
+        shown(history)?,
+        frf,
+        cells,
+        paths.map(PyFigure::from),
+        warnings,
+    ))
 }

@@ -116,10 +116,23 @@ def test_an_analysis_is_shown_beside(tmp_path: Path) -> None:
     path, folder = _data_file(found)
     assert path is not None
     assert folder is not None
-    page = _asperity.LivePage(BLOCK, path, None)
-    _, described = Sent(page).ask("state", {"changes": []})
-    assert described["hits"] == found.hits.rows
+    out = tmp_path / "out"
+    page = _asperity.LivePage(BLOCK, path, out, temporary=True)
+    sent = Sent(page)
+    _, described = sent.ask("state", {"changes": []})
+    assert len(described["hits"]) == found.hits.rows
+    # The record is there: each hit has its measured force.
+    assert all(hit["pulse"] for hit in described["hits"])
+    # The problem has the analysis beside it, which is there once the page has ended.
+    _, kept = sent.ask("keep", {"changes": [], "problem": True})
+    assert kept["written"] == ["scenario.json", "analysis.json", "problem.json"]
     folder.cleanup()
+    problem = json.loads((out / "problem.json").read_text(encoding="utf-8"))
+    assert problem["data"][0]["file"] == "analysis.json"
+    assert json.loads((out / "analysis.json").read_text(encoding="utf-8")) == found.report
+    again = _asperity.LivePage(BLOCK, out / problem["data"][0]["file"], None)
+    _, described = Sent(again).ask("state", {"changes": []})
+    assert len(described["hits"]) == found.hits.rows
 
 
 def test_a_widget_holds_the_page() -> None:

@@ -146,6 +146,14 @@ pub enum Fault {
     /// program.
     #[error("the document cannot be read although it fits the schema: {0}")]
     SchemaGap(String),
+    /// Time of a point that is not after the time before.
+    #[error("the time {} s does not come after {} s", number(*time_s), number(*previous_s))]
+    TimeNotIncreasing {
+        /// Time \[s\].
+        time_s: f64,
+        /// Time of the point before \[s\].
+        previous_s: f64,
+    },
     /// File of force samples that cannot be used.
     #[error("{}: {source}", brief(file))]
     Samples {

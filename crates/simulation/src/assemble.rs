@@ -13,7 +13,7 @@ use crate::error::SimulationError;
 use crate::shared_laws::shared_law;
 use asperity_scenario::{
     BodySpec, ContactScheme, DampingSpec, ExcitationSpec, FrictionSpec, LoadSamples, MethodSpec,
-    ModalSpec, SamplesFile, Scenario, SectionSpec, SensorSpec, SupportSpec,
+    ModalSpec, SamplesError, SamplesFile, Scenario, SectionSpec, SensorSpec, SupportSpec,
 };
 
 /// Relative accuracy of a run that asks for none.
@@ -209,14 +209,14 @@ pub fn load_case_at(
     Ok(load)
 }
 
-/// The function of time in a file of samples, which is looked for in `folder`.
+/// The function of time in a file of samples as measured, which is looked for in `folder`.
 fn samples_of(file: SamplesFile<'_>, folder: &Path) -> Result<SampledFunction, SimulationError> {
     let path = folder.join(file.file);
-    let samples = LoadSamples::read(&path, file.column);
-    let samples = match (samples, file.peak) {
-        (Ok(samples), Some(peak)) => samples.rescaled(peak),
-        (samples, _) => samples,
-    };
+    let samples = LoadSamples::read(&path, file.column).and_then(|samples| {
+        // What is zero throughout has no other peak.
+        let is_scaled = file.peak.is_none() || samples.peak() != 0.0;
+        if is_scaled { Ok(samples) } else { Err(SamplesError::ZeroForce) }
+    });
     let samples = samples.map_err(|source| SimulationError::Samples { path, source })?;
     Ok(SampledFunction::new(samples.time_s, samples.values)?)
 }

@@ -21,6 +21,7 @@
 mod converged_run;
 mod task;
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::{Batch, CaseResponse, DynamicsError, TransientCase};
@@ -92,7 +93,50 @@ impl ErrorControl {
 
     /// The outcome of each request, in order; none depends on the others.
     pub fn run(&self, requests: &[RunRequest]) -> Vec<Result<ConvergedRun, SimulationError>> {
-        let (mut tasks, mut places): (Vec<Task<'_>>, Vec<usize>) = (Vec::new(), Vec::new());
+        self.run_unless(requests, &AtomicBool::new(false))
+    }
+
+    /// As [`run`](Self::run); once `stop` is set, requests that are not done end with
+    /// [`DynamicsError::Stopped`], within some steps.
+    pub fn run_unless(
+        &self,
+        requests: &[RunRequest],
+        stop: &AtomicBool,
+    ) -> Vec<Result<ConvergedRun, SimulationError>> {
+        self.with_tasks(requests, stop, |mut tasks| {
+            for kind in [Reference::Octave, Reference::Near] {
+                self.follow_references(&mut tasks, kind, stop);
+            }
+            let alone = (0..tasks.len()).filter(|&n| tasks[n].done.is_none()).collect();
+            self.refine(&mut tasks, alone, stop);
+            tasks.into_iter().map(|task| task.done).collect()
+        })
+    }
+
+    /// A response to each request without an estimate of its errors, at the step that a refinement begins with; where
+    /// contact is lost at steps of its own. For pictures that better ones follow.
+    pub fn draft(
+        &self,
+        requests: &[RunRequest],
+        stop: &AtomicBool,
+    ) -> Vec<Result<ConvergedRun, SimulationError>> {
+        self.with_tasks(requests, stop, |mut tasks| {
+            let all: Vec<usize> = (0..tasks.len()).collect();
+            self.integrate_fine(&mut tasks, &all, stop);
+            tasks.iter_mut().for_each(Task::vary_steps_of_draft);
+            self.integrate_fine(&mut tasks, &all, stop);
+            tasks.into_iter().map(Task::drafted).collect()
+        })
+    }
+
+    /// The outcomes of the tasks of some requests, in their order, or the errors of those that cannot be set up.
+    fn with_tasks<'a>(
+        &self,
+        requests: &'a [RunRequest],
+        stop: &AtomicBool,
+        work: impl FnOnce(Vec<Task<'a>>) -> Vec<Option<Result<ConvergedRun, SimulationError>>>,
+    ) -> Vec<Result<ConvergedRun, SimulationError>> {
+        let (mut tasks, mut places): (Vec<Task<'a>>, Vec<usize>) = (Vec::new(), Vec::new());
         let mut outcomes: Vec<Option<Result<ConvergedRun, SimulationError>>> = Vec::new();
         for (place, request) in requests.iter().enumerate() {
             outcomes.push(match Task::new(request) {
@@ -104,18 +148,10 @@ impl ErrorControl {
                 Err(error) => Some(Err(error)),
             });
         }
-        for kind in [Reference::Octave, Reference::Near] {
-            self.follow_references(&mut tasks, kind);
+        for (done, place) in work(tasks).into_iter().zip(places) {
+            outcomes[place] = done;
         }
-        let alone = (0..tasks.len()).filter(|&n| tasks[n].done.is_none()).collect();
-        self.refine(&mut tasks, alone);
-        for (task, place) in tasks.into_iter().zip(places) {
-            outcomes[place] = task.done;
-        }
-        let lost = || {
-            let set = self.batch.instructions;
-            Err(SimulationError::from(DynamicsError::InstructionSet { set }))
-        };
+        let lost = || Err(self.without_response(stop));
         outcomes.into_iter().map(|outcome| outcome.unwrap_or_else(lost)).collect()
     }
 
@@ -133,15 +169,15 @@ impl ErrorControl {
 
     /// Integrates the tasks that are not done and have a reference run of this kind as that run was, and
     /// accepts those that are like it.
-    fn follow_references(&self, tasks: &mut [Task<'_>], kind: Reference) {
-        let references = self.reference_runs(tasks, kind);
+    fn follow_references(&self, tasks: &mut [Task<'_>], kind: Reference, stop: &AtomicBool) {
+        let references = self.reference_runs(tasks, kind, stop);
         for (task, reference) in tasks.iter_mut().zip(&references) {
             if let Some(reference) = reference {
                 task.follow(reference);
             }
         }
         let referred: Vec<usize> = (0..tasks.len()).filter(|&n| references[n].is_some()).collect();
-        self.integrate_fine(tasks, &referred);
+        self.integrate_fine(tasks, &referred, stop);
         for (task, reference) in tasks.iter_mut().zip(&references) {
             if let Some(reference) = reference {
                 task.accept_as(reference);
@@ -150,7 +186,12 @@ impl ErrorControl {
     }
 
     /// The outcome of the reference run of each task that is not done, if there is one.
-    fn reference_runs(&self, tasks: &[Task<'_>], kind: Reference) -> Vec<Option<Arc<Chosen>>> {
+    fn reference_runs(
+        &self,
+        tasks: &[Task<'_>],
+        kind: Reference,
+        stop: &AtomicBool,
+    ) -> Vec<Option<Arc<Chosen>>> {
         let of_task = |task: &Task<'_>| match kind {
             _ if task.done.is_some() => None,
             Reference::Octave => task.request.reference(),
@@ -182,7 +223,7 @@ impl ErrorControl {
             }
         }
         let all = (0..runs.len()).collect();
-        self.refine(&mut runs, all);
+        self.refine(&mut runs, all, stop);
         for (task, request) in runs.into_iter().zip(of) {
             let outcome = task.chosen().map(Arc::new);
             known.push(ReferenceRun { request: request.clone(), kind, outcome });
@@ -192,7 +233,8 @@ impl ErrorControl {
             known.iter().find(|reference| is_of(reference, request))?.outcome.clone()
         });
         let found = found.collect();
-        if !missing.is_empty() {
+        // What was stopped is not known.
+        if !missing.is_empty() && !stop.load(Ordering::Relaxed) {
             let excess = known.len().saturating_sub(MOST_REFERENCES);
             known.drain(..excess);
             *lock() = known;
@@ -200,12 +242,14 @@ impl ErrorControl {
         found
     }
 
-    /// The outcome of the requests of one load at all sensors, as one run.
-    ///
-    /// # Errors
-    /// As [`run_one`](Self::run_one).
-    pub fn run_joined(&self, requests: &[RunRequest]) -> Result<ConvergedRun, SimulationError> {
-        ConvergedRun::joined(self.run(requests))
+    /// The error of a run without a response: it was stopped, or the instructions are missing.
+    fn without_response(&self, stop: &AtomicBool) -> SimulationError {
+        let set = self.batch.instructions;
+        SimulationError::from(if stop.load(Ordering::Relaxed) {
+            DynamicsError::Stopped { steps: 0 }
+        } else {
+            DynamicsError::InstructionSet { set }
+        })
     }
 
     /// The outcome of one request.
@@ -213,35 +257,36 @@ impl ErrorControl {
     /// # Errors
     /// [`SimulationError`] when the case cannot be set up, or not integrated at any step tried.
     pub fn run_one(&self, request: &RunRequest) -> Result<ConvergedRun, SimulationError> {
-        let lost = || DynamicsError::InstructionSet { set: self.batch.instructions };
-        self.run(std::slice::from_ref(request)).pop().unwrap_or_else(|| Err(lost().into()))
+        let never = AtomicBool::new(false);
+        let found = self.run_unless(std::slice::from_ref(request), &never).pop();
+        found.unwrap_or_else(|| Err(self.without_response(&never)))
     }
 
     /// Refines the tasks of `numbers` until each is done.
-    fn refine(&self, tasks: &mut [Task<'_>], mut numbers: Vec<usize>) {
+    fn refine(&self, tasks: &mut [Task<'_>], mut numbers: Vec<usize>, stop: &AtomicBool) {
         let all = numbers.clone();
-        while !numbers.is_empty() {
-            self.integrate_fine(tasks, &numbers);
+        while !numbers.is_empty() && !stop.load(Ordering::Relaxed) {
+            self.integrate_fine(tasks, &numbers, stop);
             for &n in &numbers {
                 tasks[n].vary_steps_if_open();
             }
             numbers.retain(|&n| tasks[n].done.is_none());
-            self.integrate_fine(tasks, &numbers);
+            self.integrate_fine(tasks, &numbers, stop);
             let compared =
                 |n: &&usize| matches!(tasks[**n].fine, Some(Ok(_))) && tasks[**n].other.is_none();
             let open: Vec<usize> = numbers.iter().filter(compared).copied().collect();
-            let others = self.respond(tasks, &open, |task| task.case_at(task.other_level()));
+            let others = self.respond(tasks, &open, stop, |task| task.case_at(task.other_level()));
             for (&n, other) in open.iter().zip(others) {
                 tasks[n].other = Some(other);
             }
             let lacking = |n: &usize| tasks[*n].lacks_truncation();
             let open: Vec<usize> = numbers.iter().copied().filter(lacking).collect();
-            let fewer = self.respond(tasks, &open, |task| task.case_at(task.fewer_level()));
+            let fewer = self.respond(tasks, &open, stop, |task| task.case_at(task.fewer_level()));
             for (n, fewer) in open.into_iter().zip(fewer) {
                 tasks[n].fewer = Some(fewer);
             }
             let suspect = numbers.iter().copied().filter(|&n| tasks[n].is_suspect()).collect();
-            for (n, perturbed) in self.perturbed_runs(tasks, suspect) {
+            for (n, perturbed) in self.perturbed_runs(tasks, suspect, stop) {
                 if let (Some(Ok(fine)), Ok(perturbed)) = (&tasks[n].fine, perturbed) {
                     let diverged = divergence(&fine.record, &perturbed.record);
                     tasks[n].diverged = diverged.map(|from| (from, perturbed.observables));
@@ -252,20 +297,20 @@ impl ErrorControl {
             }
             numbers.retain(|&n| tasks[n].done.is_none());
         }
-        self.compare_with_perturbed(tasks, &all);
+        self.compare_with_perturbed(tasks, &all, stop);
     }
 
-    fn integrate_fine(&self, tasks: &mut [Task<'_>], numbers: &[usize]) {
+    fn integrate_fine(&self, tasks: &mut [Task<'_>], numbers: &[usize], stop: &AtomicBool) {
         let open: Vec<usize> =
             numbers.iter().copied().filter(|&n| tasks[n].fine.is_none()).collect();
-        let responses = self.respond(tasks, &open, |task| task.case_at(task.level));
+        let responses = self.respond(tasks, &open, stop, |task| task.case_at(task.level));
         for (n, response) in open.into_iter().zip(responses) {
             tasks[n].fine = Some(response);
         }
     }
 
     /// Marks responses that did not converge where they depend on rounding.
-    fn compare_with_perturbed(&self, tasks: &mut [Task<'_>], numbers: &[usize]) {
+    fn compare_with_perturbed(&self, tasks: &mut [Task<'_>], numbers: &[usize], stop: &AtomicBool) {
         let doubtful = |n: &usize| match &tasks[*n].done {
             Some(Ok(ConvergedRun { observables, .. })) => {
                 let known = observables.get(Quantity::SensitiveFrom, None).is_some();
@@ -274,7 +319,7 @@ impl ErrorControl {
             _ => false,
         };
         let doubtful = numbers.iter().copied().filter(doubtful).collect();
-        for (n, perturbed) in self.perturbed_runs(tasks, doubtful) {
+        for (n, perturbed) in self.perturbed_runs(tasks, doubtful, stop) {
             let Some(Ok(done)) = &mut tasks[n].done else { continue };
             match perturbed {
                 Ok(perturbed) => {
@@ -293,9 +338,10 @@ impl ErrorControl {
         &self,
         tasks: &[Task<'_>],
         numbers: Vec<usize>,
+        stop: &AtomicBool,
     ) -> Vec<(usize, Result<Response, SimulationError>)> {
-        let runs = self
-            .respond(tasks, &numbers, |task| task.case(task.level, perturbed(&task.request.load)));
+        let case = |task: &Task<'_>| task.case(task.level, perturbed(&task.request.load));
+        let runs = self.respond(tasks, &numbers, stop, case);
         numbers.into_iter().zip(runs).collect()
     }
 
@@ -304,6 +350,7 @@ impl ErrorControl {
         &self,
         tasks: &[Task<'_>],
         numbers: &[usize],
+        stop: &AtomicBool,
         case: impl for<'a, 'b> Fn(&'a Task<'b>) -> Result<TransientCase, SimulationError>,
     ) -> Vec<Result<Response, SimulationError>> {
         let (mut cases, mut of) = (Vec::new(), Vec::new());
@@ -323,15 +370,14 @@ impl ErrorControl {
             let natural = prepared(index).at_rest.natural_frequency_hz;
             self.extractor.decimation(natural, self.kept_hz, step)
         };
-        let mut records = self.batch.run(&cases, &decimation).into_iter();
+        let mut records = self.batch.run_unless(&cases, &decimation, stop).into_iter();
         let mut cases = cases.into_iter().enumerate();
         let respond = |error: Option<SimulationError>| {
             if let Some(error) = error {
                 return Err(error);
             }
             let (Some(record), Some((index, case))) = (records.next(), cases.next()) else {
-                let set = self.batch.instructions;
-                return Err(DynamicsError::InstructionSet { set }.into());
+                return Err(self.without_response(stop));
             };
             let record = record?;
             let observables = self.extractor.observables(prepared(index), &case, &record)?;

@@ -17,12 +17,13 @@
 //! | prepare | [`gap_table`], [`assemble`], [`static_state`], [`prepared_scenario`], [`parameter`], [`plausibility`] |
 //! | compute | [`run`], [`mod@sweep`], [`row_simulator`], [`mod@steady`], [`modes`], [`sensitivity`], [`laws`], [`accuracy`], [`error_control`] |
 //! | structures of matrices | [`patches`] |
-//! | observe | [`quantity`], [`observables`], [`observable_extractor`], [`warning`] |
+//! | observe | [`quantity`], [`observables`], [`observable_extractor`], [`contact_path`], [`warning`] |
 //! | write | [`contact_deck`], [`summary`], [`provenance`], [`record`], [`output`], [`error`] |
 
 pub mod accuracy;
 pub mod assemble;
 pub mod contact_deck;
+pub mod contact_path;
 pub mod error;
 pub mod error_control;
 mod finite_differences;

@@ -10,13 +10,14 @@ use asperity_structure::SensorKind;
 use asperity_table::columns_to_csv;
 
 use crate::assemble::Interfaces;
+use crate::contact_path::contact_paths;
 use crate::error::SimulationError;
 use crate::laws::LawTable;
 use crate::modes::LinearisedModes;
 use crate::run::{Run, receptance, transmissibility};
 
 /// `history.csv`: a row per output sample.
-pub fn history_csv<S>(run: &Run<S>) -> String {
+pub fn history_csv<S: Interfaces>(run: &Run<S>) -> String {
     let columns = history_columns(run);
     columns_to_csv(columns.iter().map(|(name, column)| (name.as_str(), &**column)))
 }
@@ -24,9 +25,10 @@ pub fn history_csv<S>(run: &Run<S>) -> String {
 /// Columns of `history.csv`, with their names.
 ///
 /// Beside time there are the force, or the acceleration of the base; the motion at the top, or what each
-/// sensor reads; and the contacts. With a motion of the base, sensors read the absolute motion, and
-/// columns `relative_...` have the motion relative to the base.
-pub fn history_columns<S>(run: &Run<S>) -> Vec<(String, Cow<'_, [f64]>)> {
+/// sensor reads; and the contacts, with the tractions of those with damping or friction. With a motion of
+/// the base, sensors read the absolute motion, and columns `relative_...` have the motion relative to the
+/// base.
+pub fn history_columns<S: Interfaces>(run: &Run<S>) -> Vec<(String, Cow<'_, [f64]>)> {
     let history = &run.transient.history;
     let load =
         if run.assembly.load.base().is_some() { "base_acceleration_m_per_s2" } else { "force_n" };
@@ -45,11 +47,15 @@ pub fn history_columns<S>(run: &Run<S>) -> Vec<(String, Cow<'_, [f64]>)> {
             }
         }
     }
-    for (interface, columns_of) in run.summary.interfaces.iter().zip(&history.interfaces) {
-        let name = &interface.name;
+    let paths = contact_paths(run).into_iter();
+    for (path, columns_of) in paths.zip(&history.interfaces) {
+        let name = path.name();
         columns.push((format!("{name}:pressure_pa"), (&columns_of.pressure).into()));
         columns.push((format!("{name}:closure_m"), (&columns_of.closure).into()));
         columns.push((format!("{name}:stiffness_pa_per_m"), (&columns_of.stiffness).into()));
+        if path.is_dissipative() {
+            columns.push((format!("{name}:traction_pa"), path.traction));
+        }
     }
     columns
 }

@@ -56,6 +56,8 @@ pub(crate) struct RowRunner {
     near: Option<Mutex<Known>>,
     /// The assembled structures of matrices.
     patches: PatchRows,
+    /// True for responses without estimated errors.
+    is_draft: bool,
 }
 
 /// A row that has been set up.
@@ -72,12 +74,18 @@ impl RowRunner {
         let inputs = RowInputs::new(document, places, checks_rows);
         let (frequencies, prepared) = (Vec::new(), Mutex::default());
         let patches = PatchRows::default();
-        Self { inputs, frequencies, control, prepared, near: None, patches }
+        let (near, is_draft) = (None, false);
+        Self { inputs, frequencies, control, prepared, near, patches, is_draft }
     }
 
     /// The same, whose rows take step, modes and errors from structures near their own.
     pub(crate) fn with_near_structures(self) -> Self {
         Self { near: Some(Mutex::default()), ..self }
+    }
+
+    /// The same, whose modal rows of bars have no estimated errors, and take the time of one or two responses.
+    pub(crate) fn without_errors(self) -> Self {
+        Self { is_draft: true, ..self }
     }
 
     /// Names of the observables of the scenario as it is.
@@ -102,7 +110,7 @@ impl RowRunner {
     }
 
     /// Observables of `count` rows, or their errors, in order; none if `stop` is set before all rows
-    /// are begun. `row` gives the values of a row, as JSON or bare text; `progress` receives the number
+    /// are done. `row` gives the values of a row, as JSON or bare text; `progress` receives the number
     /// of finished rows.
     pub(crate) fn run<T: AsRef<str>>(
         &self,
@@ -123,7 +131,10 @@ impl RowRunner {
             }
             let rows = task * size..((task + 1) * size).min(count);
             let length = rows.len();
-            let found = self.run_task(rows, &row);
+            let found = self.run_task(rows, &row, stop);
+            if stop.load(Ordering::Relaxed) {
+                return None;
+            }
             progress(finished.fetch_add(length, Ordering::Relaxed) + length);
             Some(found)
         };
@@ -137,6 +148,7 @@ impl RowRunner {
         &self,
         numbers: Range<usize>,
         row: &impl Fn(usize) -> Vec<T>,
+        stop: &AtomicBool,
     ) -> Vec<Result<Row, SimulationError>> {
         let (mut requests, mut places) = (Vec::new(), Vec::new());
         let mut rows: Vec<Option<Result<Row, SimulationError>>> = Vec::with_capacity(numbers.len());
@@ -153,7 +165,12 @@ impl RowRunner {
                 Err(error) => Some(Err(error)),
             });
         }
-        let mut outcomes = self.control.run(&requests).into_iter();
+        let outcomes = if self.is_draft {
+            self.control.draft(&requests, stop)
+        } else {
+            self.control.run_unless(&requests, stop)
+        };
+        let mut outcomes = outcomes.into_iter();
         for (place, prepared, sensors) in places {
             let run = ConvergedRun::joined(outcomes.by_ref().take(sensors));
             rows[place] = Some(run.map(|mut run| {

@@ -78,8 +78,8 @@ impl RowSimulator {
         self.run_unless(rows, &AtomicBool::new(false)).unwrap_or_default()
     }
 
-    /// As [`run`](Self::run), none if `stop` is set before all rows are begun: some tens of runs on each
-    /// thread later.
+    /// As [`run`](Self::run), none if `stop` is set before all rows are done: within some steps of the runs
+    /// under way.
     pub fn run_unless(
         &self,
         rows: &[Vec<Value>],

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use asperity_dynamics::{Batch, Modal, Transient};
@@ -12,7 +13,7 @@ use tracing::info_span;
 
 use crate::assemble::{Assembly, Interfaces};
 use crate::error::SimulationError;
-use crate::error_control::{ErrorControl, RunRequest};
+use crate::error_control::{ConvergedRun, ErrorControl, RunRequest};
 use crate::finite_differences::integrate;
 use crate::observables::Observables;
 use crate::prepared_scenario::PreparedScenario;
@@ -69,11 +70,24 @@ pub fn simulate_with_progress(
     scenario: &Scenario,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Run, SimulationError> {
+    simulate_unless(document, scenario, &AtomicBool::new(false), progress)
+}
+
+/// As [`simulate_with_progress`]; once `stop` is set, a run by the modal method ends within some steps.
+///
+/// # Errors
+/// Those of [`simulate`], and [`Stopped`](asperity_dynamics::DynamicsError::Stopped).
+pub fn simulate_unless(
+    document: &Document,
+    scenario: &Scenario,
+    stop: &AtomicBool,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Run, SimulationError> {
     let started = Instant::now();
     let prepared = info_span!("assemble")
         .in_scope(|| PreparedScenario::new(scenario, document.folder()).map(Arc::new))?;
     let (transient, observables, modes_per_body) = if let Some(modal) = prepared.modal() {
-        let (transient, found, counts) = converged(&prepared, modal, progress)?;
+        let (transient, found, counts) = converged(&prepared, modal, stop, progress)?;
         (transient, found, Some(counts))
     } else {
         let (transient, found) = integrate(&prepared.assembly, &prepared.at_rest, progress)?;
@@ -101,17 +115,19 @@ pub fn simulate_with_progress(
 fn converged(
     prepared: &Arc<PreparedScenario>,
     modal: Modal,
+    stop: &AtomicBool,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<(Transient, Observables, Vec<usize>), SimulationError> {
     let Assembly { sampling, .. } = &prepared.assembly;
     let batch = Batch { instructions: modal.instructions };
     let requests = RunRequest::at_sensors(prepared, &prepared.assembly.load, None);
     let stage = info_span!("choose step and modes").entered();
-    let chosen = ErrorControl::new(batch).run_joined(&requests)?;
+    let chosen = ErrorControl::new(batch).run_unless(&requests, stop);
+    let chosen = ConvergedRun::joined(chosen)?;
     drop(stage);
     progress(0.5);
     let _stage = info_span!("integrate and analyse").entered();
-    let transient = batch.transient(&chosen.case, sampling)?;
+    let transient = batch.transient_unless(&chosen.case, sampling, stop)?;
     let found = Observables::of_transient(&prepared.assembly, &prepared.at_rest, &transient)?;
     progress(1.0);
     Ok((transient, found.with_estimate_of(&chosen.observables), chosen.counts))

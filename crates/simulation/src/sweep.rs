@@ -61,14 +61,57 @@ pub fn sweep_with_progress(
     variations: &[Variation],
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Sweep, SweepError> {
+    let never = AtomicBool::new(false);
+    let empty = || Sweep {
+        variations: variations.to_vec(),
+        columns: Vec::new(),
+        runs: Vec::new(),
+        warnings: Vec::new(),
+    };
+    Ok(sweep_unless(document, variations, &never, progress)?.unwrap_or_else(empty))
+}
+
+/// As [`sweep_with_progress`]; none once `stop` is set, within some steps of the runs under way. Runs by
+/// finite differences and of structures of matrices are done first.
+///
+/// # Errors
+/// Those of [`sweep`].
+pub fn sweep_unless(
+    document: &Document,
+    variations: &[Variation],
+    stop: &AtomicBool,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Option<Sweep>, SweepError> {
+    run_sweep(document, variations, |runner| runner, stop, progress)
+}
+
+/// As [`sweep_unless`], without estimated errors: each run by the modal method is one response, or two where contact
+/// is lost. For a picture that the sweep itself follows.
+///
+/// # Errors
+/// Those of [`sweep`].
+pub fn draft_sweep(
+    document: &Document,
+    variations: &[Variation],
+    stop: &AtomicBool,
+) -> Result<Option<Sweep>, SweepError> {
+    run_sweep(document, variations, RowRunner::without_errors, stop, &|_, _| ())
+}
+
+fn run_sweep(
+    document: &Document,
+    variations: &[Variation],
+    prepare: impl FnOnce(RowRunner) -> RowRunner,
+    stop: &AtomicBool,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Option<Sweep>, SweepError> {
     let values = |run: usize| chosen_values(run, variations);
     let count = tracing::info_span!("check").in_scope(|| checked_runs(document, variations))?;
     let stage = tracing::info_span!("integrate and analyse").entered();
     let places = variations.iter().map(|variation| vec![variation.pointer.clone()]).collect();
-    let runner = RowRunner::new(document.clone(), places, false);
-    let never = AtomicBool::new(false);
-    let rows = runner.run(count, values, &never, &|done| progress(done, count));
-    let rows = rows.unwrap_or_default();
+    let runner = prepare(RowRunner::new(document.clone(), places, false));
+    let rows = runner.run(count, values, stop, &|done| progress(done, count));
+    let Some(rows) = rows else { return Ok(None) };
     drop(stage);
     let named = rows.iter().find_map(|row| row.as_ref().ok());
     let columns = named.map_or_else(|| Arc::from([]), |(names, _)| Arc::clone(names));
@@ -91,7 +134,7 @@ pub fn sweep_with_progress(
             tracing::warn!(runs = count, "{warning} (run {})", run + 1);
         }
     }
-    Ok(sweep)
+    Ok(Some(sweep))
 }
 
 /// Carries out `work` on a pool of `threads` threads, or on all cores without a number; none if

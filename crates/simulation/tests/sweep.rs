@@ -4,7 +4,7 @@
 
 use asperity_scenario::{Document, SupportSpec};
 use asperity_simulation::run::simulate;
-use asperity_simulation::sweep::{Sweep, Variation, on_threads, sweep};
+use asperity_simulation::sweep::{Sweep, Variation, draft_sweep, on_threads, sweep};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenarios");
 
@@ -217,4 +217,36 @@ fn invalid_values_are_errors_before_the_first_run() {
         let variations = [Variation::parse(vary).unwrap()];
         assert!(sweep(&document, &variations).is_err(), "{vary}");
     }
+}
+
+/// A draft of force levels, across the loss of contact, is close to the sweep, and says nothing of its errors.
+#[test]
+fn a_draft_is_close_to_the_sweep() {
+    let mut document = document("nouira2020-modified");
+    for interface in ["/interfaces/0/law", "/interfaces/1/law"] {
+        document.set(interface, "pl").unwrap();
+    }
+    let forces = [Variation::parse("/excitation/peak_n=8:44:7").unwrap()];
+    let never = std::sync::atomic::AtomicBool::new(false);
+    let draft = draft_sweep(&document, &forces, &never).unwrap().unwrap();
+    let whole = sweep(&document, &forces).unwrap();
+    let lost =
+        |sweep: &Sweep, run: usize| sweep.number(run, "interfaces.sample-disc.contact_lost_s");
+    assert_eq!(lost(&whole, 0), Some(0.0));
+    assert!(lost(&whole, 6).unwrap() > 1e-4);
+    for run in 0..7 {
+        for (name, tolerance) in [
+            ("fundamental.frequency_hz", 3e-4),
+            ("fundamental.receptance_m_per_n", 3e-3),
+            ("harmonic_ratio", 1e-2),
+            ("interfaces.sample-disc.stiffness_average_pa_per_m", 3e-3),
+        ] {
+            let [a, b] = [&draft, &whole].map(|sweep| sweep.number(run, name).unwrap());
+            assert!((a / b - 1.0).abs() < tolerance, "{name} of run {run}: {a} and {b}");
+        }
+        assert_eq!(draft.number(run, "accuracy.estimated_error"), None);
+        assert!(whole.number(run, "accuracy.estimated_error").unwrap() <= 1e-3);
+    }
+    let stopped = std::sync::atomic::AtomicBool::new(true);
+    assert!(draft_sweep(&document, &forces, &stopped).unwrap().is_none());
 }

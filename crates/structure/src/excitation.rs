@@ -57,11 +57,19 @@ pub enum ExcitationSpec {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         at: Option<PlaceSpec>,
     },
-    /// Measured force, linear between its samples and zero outside them.
+    /// Measured or drawn force, linear between its samples and zero outside them, from exactly one of `file` and
+    /// `points`.
+    #[schemars(extend("oneOf" = [{"required": ["points"]}, {"required": ["file"]}]))]
     Samples {
-        /// CSV file with the columns `time_s,force_n`, relative to the folder of the scenario.
+        /// CSV file with the columns `time_s,force_n`, relative to the folder of the scenario; give this or
+        /// `points`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(length(min = 1))]
-        file: String,
+        file: Option<String>,
+        /// Pairs of a time in s and a force in N, 2 to 10000, times increasing; give this or `file`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(length(min = 2, max = 10_000))]
+        points: Option<Vec<[f64; 2]>>,
         /// Largest magnitude in N to which the force is rescaled; as measured when left out, reversed
         /// when negative.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -187,10 +195,12 @@ motion!(
     DisplacementSpec, peak_m, amplitude_m, "displacement_m"
 );
 
-/// A time function and its amplitude, or the file that has both.
+/// A time function and its amplitude, or the file or points that have both.
 enum FunctionSpec<'a> {
     Of(TimeFunction, f64),
     Samples(SamplesFile<'a>),
+    /// Times and values, and the largest magnitude to which they are rescaled.
+    Points(&'a [[f64; 2]], Option<f64>),
 }
 
 /// File of samples that an excitation names.
@@ -253,8 +263,11 @@ impl ExcitationSpec {
             Self::Harmonic { amplitude_n, frequency_hz, .. } => {
                 FunctionSpec::Of(TimeFunction::Harmonic { frequency: frequency_hz }, amplitude_n)
             }
-            Self::Samples { ref file, peak_n, .. } => {
+            Self::Samples { file: Some(ref file), peak_n, .. } => {
                 FunctionSpec::Samples(SamplesFile { file, column: "force_n", peak: peak_n })
+            }
+            Self::Samples { ref points, peak_n, .. } => {
+                FunctionSpec::Points(points.as_deref().unwrap_or_default(), peak_n)
             }
             Self::BaseMotion { .. } => self
                 .base()
@@ -266,14 +279,14 @@ impl ExcitationSpec {
     pub fn samples(&self) -> Option<SamplesFile<'_>> {
         match self.function() {
             FunctionSpec::Samples(samples) => Some(samples),
-            FunctionSpec::Of(..) => None,
+            FunctionSpec::Of(..) | FunctionSpec::Points(..) => None,
         }
     }
 
     /// The load on a stack of `bodies`; `read` returns the samples of a file as measured.
     ///
     /// # Errors
-    /// Those of `read`; [`StructureError::UnknownBody`] and [`StructureError::Setting`] for a place that
+    /// Those of `read`; [`StructureError::Samples`] for points whose times do not increase; [`StructureError::UnknownBody`] and [`StructureError::Setting`] for a place that
     /// does not exist, [`StructureError::BaseJump`] for a base displaced by a half-sine.
     pub fn load_case<E: From<StructureError>>(
         &self,
@@ -299,6 +312,11 @@ impl ExcitationSpec {
                 let (unit, peak) = read(file)?.normalised();
                 let signed = file.peak.unwrap_or(peak);
                 (TimeFunction::Samples(unit.into()), signed)
+            }
+            FunctionSpec::Points(points, rescaled) => {
+                let (time, value) = points.iter().map(|point| (point[0], point[1])).unzip();
+                let (unit, peak) = SampledFunction::new(time, value)?.normalised();
+                (TimeFunction::Samples(unit.into()), rescaled.unwrap_or(peak))
             }
         };
         if let Some((quantity, _)) = self.base() {

@@ -314,8 +314,8 @@ fn excitation(
             let samples = measured_pulse(draw, peak_n, duration_s);
             let end = samples.time_s.last().copied().unwrap_or(duration_s);
             let peak_n = draw.chance(0.5).then_some(peak_n);
-            let file = format!("seed{seed}-{number}.csv");
-            (ExcitationSpec::Samples { file, peak_n, at: None }, Some(samples), end)
+            let file = Some(format!("seed{seed}-{number}.csv"));
+            (ExcitationSpec::Samples { file, points: None, peak_n, at: None }, Some(samples), end)
         }
         _ => {
             let amplitude_n = rounded(weight * draw.log_uniform(1e-4, 0.5));

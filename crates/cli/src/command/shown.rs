@@ -38,6 +38,9 @@ pub(super) fn write_run<S: Interfaces>(
 ) -> Result<(), Failure> {
     folder.write("history.csv", history_csv(run))?;
     folder.draw("history", &plot::history(run))?;
+    if let Some(figure) = plot::pressure_closure(run) {
+        folder.draw("pressure-closure", &figure)?;
+    }
     if let (Some(frf), Some(columns)) = (receptance(run, 0)?, frf_columns(run)?) {
         folder.write("frf.csv", frf_csv(&columns))?;
         folder.draw("frf", &plot::frf(&frf, &run.summary, magnitude.into()))?;

@@ -21,7 +21,14 @@ fn simulate_writes_the_files_and_columns_of_the_contract() {
     let output = asperity(folder.path(), &[&["simulate", &rig()], &QUICK[..]].concat());
     assert!(output.status.success(), "{}", text(&output.stderr));
     let out = folder.path().join("out/nouira2020-modified");
-    let expected = ["frf.csv", "frf.svg", "history.csv", "history.svg", "summary.json"];
+    let expected = [
+        "frf.csv",
+        "frf.svg",
+        "history.csv",
+        "history.svg",
+        "pressure-closure.svg",
+        "summary.json",
+    ];
     assert_eq!(files(&out), expected);
     assert_eq!(
         header(&out.join("history.csv")),

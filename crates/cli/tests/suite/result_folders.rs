@@ -233,7 +233,10 @@ fn a_figure_that_cannot_be_drawn_is_left_out() {
     assert!(output.status.success(), "{message}");
     assert!(message.contains("frf.svg cannot be drawn"), "{message}");
     let written = files(&folder.path().join("out/rig"));
-    assert_eq!(written, ["frf.csv", "history.csv", "history.svg", "summary.json"]);
+    assert_eq!(
+        written,
+        ["frf.csv", "history.csv", "history.svg", "pressure-closure.svg", "summary.json"]
+    );
 }
 
 #[test]

@@ -71,7 +71,14 @@ fn a_full_or_closed_standard_output_ends_every_command_with_status_1() {
         }
     }
     // The answer comes after the files.
-    let expected = ["frf.csv", "frf.svg", "history.csv", "history.svg", "summary.json"];
+    let expected = [
+        "frf.csv",
+        "frf.svg",
+        "history.csv",
+        "history.svg",
+        "pressure-closure.svg",
+        "summary.json",
+    ];
     let written = files(&folder.path().join("out/nouira2020-constant"));
     assert!(expected.iter().all(|name| written.contains(&(*name).to_owned())), "{written:?}");
 }

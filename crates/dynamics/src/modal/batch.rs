@@ -3,6 +3,7 @@
 use asperity_law::LawError;
 use std::cmp::Ordering;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use super::decimation::Decimation;
 use super::dense_output::history;
@@ -121,12 +122,23 @@ impl Batch {
         cases: &[TransientCase],
         decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
     ) -> Vec<Result<CaseResponse, DynamicsError>> {
+        self.run_unless(cases, decimation, &AtomicBool::new(false))
+    }
+
+    /// As [`run`](Self::run); once `stop` is set, cases that are not finished end with
+    /// [`DynamicsError::Stopped`]. It is looked at every 32 steps, at steps of their own once in each longest step.
+    pub fn run_unless(
+        &self,
+        cases: &[TransientCase],
+        decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
+        stop: &AtomicBool,
+    ) -> Vec<Result<CaseResponse, DynamicsError>> {
         let mut results: Vec<Option<Result<CaseResponse, DynamicsError>>> = vec![None; cases.len()];
         let mut preparation = Preparation { shapes: LoadShapes::default(), decimation };
         let mut attempts = Vec::with_capacity(cases.len());
         for (index, case) in cases.iter().enumerate() {
             let first = if case.tolerance.is_some() {
-                self.own_steps(index, case, &mut preparation, true)
+                self.own_steps((index, case), &mut preparation, true, stop)
             } else {
                 preparation.first(index, case).map(Begun::Attempt)
             };
@@ -146,19 +158,18 @@ impl Batch {
                         group.iter().map(|attempt| &attempt.lane).collect();
                     let recording = Recording::Decimated(&group[0].decimation);
                     let Some(outcomes) =
-                        (BlockRun { lanes: &lanes, recording }).run(self.instructions)
+                        (BlockRun { lanes: &lanes, recording, stop }).run(self.instructions)
                     else {
                         continue;
                     };
                     for (attempt, outcome) in group.iter().zip(outcomes) {
                         let case = &cases[attempt.index];
-                        if let Some(midway) = &attempt.midway {
-                            let next = match attempt.after_midway(midway, outcome) {
-                                Some(begun) => Ok(begun),
-                                None => {
-                                    self.own_steps(attempt.index, case, &mut preparation, false)
-                                }
+                        if let (Some(midway), false) = (&attempt.midway, outcome.is_stopped()) {
+                            let whole = || {
+                                let case = (attempt.index, case);
+                                self.own_steps(case, &mut preparation, false, stop)
                             };
+                            let next = attempt.after_midway(midway, outcome).map_or_else(whole, Ok);
                             match next {
                                 Ok(Begun::Attempt(next)) => again.push(next),
                                 Ok(Begun::Done(done)) => results[attempt.index] = Some(Ok(*done)),
@@ -185,15 +196,15 @@ impl Batch {
 
     /// A case at steps of its own, to its end or to where equal steps take it on.
     fn own_steps(
-        &self,
-        index: usize,
-        case: &TransientCase,
+        self,
+        (index, case): (usize, &TransientCase),
         preparation: &mut Preparation<'_>,
         may_end_midway: bool,
+        stop: &AtomicBool,
     ) -> Result<Begun, DynamicsError> {
         let (step, _) = case.first_step()?;
         let decimation = (preparation.decimation)(index, step);
-        match variable_steps::respond(case, &decimation, self.instructions, may_end_midway)? {
+        match variable_steps::respond(case, &decimation, self.instructions, may_end_midway, stop)? {
             Ended::Whole(response) => Ok(Begun::Done(response)),
             Ended::Midway(midway) => {
                 let attempt = preparation.first(index, case)?;
@@ -211,10 +222,23 @@ impl Batch {
         case: &TransientCase,
         sampling: &Sampling,
     ) -> Result<Transient, DynamicsError> {
+        self.transient_unless(case, sampling, &AtomicBool::new(false))
+    }
+
+    /// As [`transient`](Self::transient), until `stop` is set.
+    ///
+    /// # Errors
+    /// Those of [`transient`](Self::transient), and [`DynamicsError::Stopped`].
+    pub fn transient_unless(
+        &self,
+        case: &TransientCase,
+        sampling: &Sampling,
+        stop: &AtomicBool,
+    ) -> Result<Transient, DynamicsError> {
         if case.tolerance.is_some() {
-            return variable_steps::transient(case, sampling, self.instructions);
+            return variable_steps::transient(case, sampling, self.instructions, stop);
         }
-        let (lane, outcome) = self.whole(case)?;
+        let (lane, outcome) = self.whole(case, stop)?;
         Ok(Transient {
             step: lane.tabulated.step_model.step,
             steps: lane.steps,
@@ -228,6 +252,7 @@ impl Batch {
     pub(super) fn whole(
         self,
         case: &TransientCase,
+        stop: &AtomicBool,
     ) -> Result<(PreparedCase, Outcome), DynamicsError> {
         let none = Arc::new(Decimation { factor: 1, taps: Arc::new([]) });
         let decimation = |_: usize, _: f64| Arc::clone(&none);
@@ -235,7 +260,8 @@ impl Batch {
             Preparation { shapes: LoadShapes::default(), decimation: &decimation };
         let mut attempt = preparation.first(0, case)?;
         loop {
-            let run = BlockRun { lanes: &[&attempt.lane], recording: Recording::EveryStep };
+            let recording = Recording::EveryStep;
+            let run = BlockRun { lanes: &[&attempt.lane], recording, stop };
             let outcome = run
                 .run(self.instructions)
                 .and_then(|outcomes| outcomes.into_iter().next())
@@ -287,7 +313,7 @@ impl Settings {
                 let bilateral = contacts.filter(|(_, one)| one.law().domain().is_bilateral());
                 bilateral.filter(|(i, _)| widen(*i)).count() > 0
             }
-            RunEnd::Done => false,
+            RunEnd::Done | RunEnd::Stopped(_) => false,
         };
         widened.then_some(wider)
     }
@@ -377,6 +403,7 @@ impl Attempt {
                     return Ok(None);
                 }
             }
+            RunEnd::Stopped(steps) => return Err(DynamicsError::Stopped { steps }),
             RunEnd::Beyond(i) => (i, self.lane.steps),
             RunEnd::NotFinite(reached, i) => (i, reached.saturating_sub(8 * CHUNK)),
         };

@@ -37,6 +37,8 @@ mod law_derivative;
 mod motion;
 mod step_inputs;
 
+use std::sync::atomic::AtomicBool;
+
 use super::assembly::MOST_INTERFACES;
 use super::batch::Batch;
 use super::load_steps::LoadSteps;
@@ -155,7 +157,7 @@ impl Batch {
         variations: &[ParameterVariation],
     ) -> Result<Sensitivity, DynamicsError> {
         let case = &case.at_equal_steps()?;
-        let (prepared, outcome) = self.whole(case)?;
+        let (prepared, outcome) = self.whole(case, &AtomicBool::new(false))?;
         let parameters = variations
             .iter()
             .enumerate()

@@ -34,6 +34,7 @@ mod midway;
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use pulp::{Arch, NullaryFnOnce};
 
@@ -86,9 +87,10 @@ pub(super) fn respond(
     decimation: &Arc<Decimation>,
     set: InstructionSet,
     may_end_midway: bool,
+    stop: &AtomicBool,
 ) -> Result<Ended, DynamicsError> {
     let recording = Recording::Filtered { decimation, may_end_midway };
-    Ok(match recording.run(case, StepControl::of(case)?, set)? {
+    Ok(match recording.run(case, StepControl::of(case)?, (set, stop))? {
         Run::Whole(response, _) => Ended::Whole(response),
         Run::Midway(midway) => Ended::Midway(midway),
     })
@@ -99,6 +101,7 @@ pub(super) fn transient(
     case: &TransientCase,
     sampling: &Sampling,
     set: InstructionSet,
+    stop: &AtomicBool,
 ) -> Result<Transient, DynamicsError> {
     let longest = StepControl::of(case)?;
     let parts = (sampling.interval() / longest.base * (1.0 - 1e-9)).ceil().max(1.0) as usize;
@@ -107,7 +110,7 @@ pub(super) fn transient(
         steps: sampling.samples() * parts,
         ..longest
     };
-    match Recording::Every(parts).run(case, control, set)? {
+    match Recording::Every(parts).run(case, control, (set, stop))? {
         Run::Whole(response, history) => {
             let CaseResponse { step, integrated_steps: steps, contacts, energy, .. } = *response;
             Ok(Transient { step, steps, history, contacts, energy })
@@ -137,14 +140,14 @@ impl Recording<'_> {
         self,
         case: &TransientCase,
         control: StepControl,
-        set: InstructionSet,
+        on: (InstructionSet, &AtomicBool),
     ) -> Result<Run, DynamicsError> {
         match case.model.rows() {
-            1 => self.of::<1>(case, control, set),
-            2 => self.of::<2>(case, control, set),
-            3 => self.of::<3>(case, control, set),
-            4 => self.of::<4>(case, control, set),
-            _ => self.of::<MOST_INTERFACES>(case, control, set),
+            1 => self.of::<1>(case, control, on),
+            2 => self.of::<2>(case, control, on),
+            3 => self.of::<3>(case, control, on),
+            4 => self.of::<4>(case, control, on),
+            _ => self.of::<MOST_INTERFACES>(case, control, on),
         }
     }
 
@@ -152,7 +155,7 @@ impl Recording<'_> {
         self,
         case: &TransientCase,
         control: StepControl,
-        set: InstructionSet,
+        (set, stop): (InstructionSet, &AtomicBool),
     ) -> Result<Run, DynamicsError> {
         let exponents = first_table_exponents(case);
         let mut run: Integration<'_, N> =
@@ -184,7 +187,7 @@ impl Recording<'_> {
             midway = watch.as_mut().is_some_and(|watch| watch.ends_at(run, done));
             if midway { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        on(set, Steps(&mut run, record))??;
+        on(set, Steps(&mut run, record, stop))??;
         if let (true, Some(watch)) = (midway, watch) {
             return Ok(Run::Midway(Box::new(watch.midway(&run, readings))));
         }
@@ -209,7 +212,7 @@ impl Recording<'_> {
 }
 
 /// All steps of a run, and what sees the state at the end of each base step.
-struct Steps<'r, 'a, R, const N: usize>(&'r mut Integration<'a, N>, R);
+struct Steps<'r, 'a, R, const N: usize>(&'r mut Integration<'a, N>, R, &'r AtomicBool);
 
 impl<R: FnMut(&mut Integration<'_, N>, usize) -> ControlFlow<()>, const N: usize> NullaryFnOnce
     for Steps<'_, '_, R, N>
@@ -218,7 +221,7 @@ impl<R: FnMut(&mut Integration<'_, N>, usize) -> ControlFlow<()>, const N: usize
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        self.0.run(self.1)
+        self.0.run(self.1, self.2)
     }
 }
 

@@ -1,11 +1,13 @@
 //! Many hits side by side: the response to each is that of the hit by itself.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::support::{DISC, difference, every_law, power, pulse, rig, rig_on};
 use crate::support::{single_body, three_bodies};
 use asperity_dynamics::{
-    Batch, CaseResponse, Decimation, DynamicsError, InstructionSet, ModalModel, TransientCase,
+    Batch, CaseResponse, Decimation, DynamicsError, InstructionSet, ModalModel, Sampling,
+    TransientCase,
 };
 use asperity_mesh::{ModeCount, Port, Stack};
 use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
@@ -179,5 +181,34 @@ fn a_failing_hit_changes_no_other() {
                 _ => assert!(matches!(error, DynamicsError::Setting { .. }), "{error:?}"),
             }
         }
+    }
+}
+
+/// A run that is stopped ends within some steps, at equal steps and at steps of its own; the filter of a case is
+/// asked for before its first step, and stops the run here.
+#[test]
+fn a_stopped_run_ends_within_some_steps() {
+    let model = modal(&single_body(&power(), 9.81), Damping::Rate(100.0), 2);
+    let case = |tolerance: Option<f64>| TransientCase {
+        model: Arc::clone(&model),
+        load: pulse(20.0),
+        sensor: 0,
+        duration: 1.0,
+        step: Some(1e-6),
+        tolerance,
+    };
+    let all_steps = Arc::new(Decimation { factor: 1000, taps: Arc::new([1.0]) });
+    for tolerance in [None, Some(1e-5)] {
+        let stop = AtomicBool::new(false);
+        let decimation = |_: usize, _: f64| {
+            stop.store(true, Ordering::Relaxed);
+            Arc::clone(&all_steps)
+        };
+        let found = Batch::default().run_unless(&[case(tolerance)], &decimation, &stop);
+        let Err(DynamicsError::Stopped { steps }) = &found[0] else { panic!("{found:?}") };
+        assert!(*steps <= 32, "{steps} of a million");
+        let sampling = Sampling::new(1.0, 1e4).unwrap();
+        let found = Batch::default().transient_unless(&case(tolerance), &sampling, &stop);
+        assert!(matches!(found, Err(DynamicsError::Stopped { steps: ..=32 })), "{found:?}");
     }
 }

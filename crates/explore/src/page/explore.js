@@ -160,7 +160,7 @@ class Work {
     if (same(request, this.asked)) return;
     this.asked = request;
     if (!this.running) this.start();
-    else if (performance.now() - this.running.begun > PATIENCE) this.running.stop.abort();
+    else if (this.running.drawn || performance.now() - this.running.begun > PATIENCE) this.running.stop.abort();
   }
   async start() {
     const request = this.asked, stop = new AbortController();
@@ -170,7 +170,11 @@ class Work {
     try {
       const response = await post("compute", request, stop.signal);
       if (!response.ok) throw new Error((await response.json()).error);
-      for await (const line of lines(response)) this.take(line, mine);
+      for await (const line of lines(response)) {
+        this.take(line, mine);
+        // A newer state does not wait for what follows a draft.
+        if (line.answer === "words" && this.running.drawn && !same(this.asked, request)) stop.abort();
+      }
     } catch (error) {
       if (error.name !== "AbortError") mine.forEach(card => card.fail(`no answer: ${error.message}`));
     }
@@ -181,7 +185,10 @@ class Work {
   take(line, mine) {
     switch (line.answer) {
       case "progress": mine.forEach(card => card.progress(line.done)); break;
-      case "picture": cards.get(line.view)?.draw(line.svg, JSON.parse(line.data)); break;
+      case "picture":
+        cards.get(line.view)?.draw(line.svg, JSON.parse(line.data), line.draft);
+        this.running.drawn = line.draft;
+        break;
       case "absent": cards.get(line.view)?.fail(line.reason, false); break;
       case "words": words(this.part, line.text); break;
       case "faults": mine.forEach(card => card.ready()); break;
@@ -215,8 +222,8 @@ class Card {
   }
   // In steps, so that a scroll bar that comes and goes asks for nothing.
   get width() { return 20 * Math.round(this.frame.clientWidth / 20); }
-  wait() { this.root.classList.add("busy"); this.bar.value = 0; this.failed = false; }
-  ready() { this.root.classList.remove("busy"); }
+  wait() { this.root.classList.add("busy"); this.root.classList.remove("draft"); this.bar.value = 0; this.failed = false; }
+  ready() { this.root.classList.remove("busy", "draft"); }
   progress(done) { this.bar.value = done; }
   took(seconds) { this.time.textContent = seconds < 1 ? `${Math.round(1e3 * seconds)} ms` : `${seconds.toFixed(1)} s`; }
   fail(text, isError = true) {
@@ -225,14 +232,16 @@ class Card {
     this.reason.hidden = false;
     if (!isError) { this.picture.replaceChildren(); this.handles?.remove(); this.drawn = null; }
   }
-  draw(svg, data) {
+  draw(svg, data, draft) {
     const drawn = document.importNode(new DOMParser().parseFromString(svg, "image/svg+xml").documentElement, true);
     const zoomed = this.panels.map(panel => panel.limits);
     this.picture.replaceChildren(drawn);
     this.panels = interactive(drawn, data, `figure-${this.view}`);
     zoomed.forEach((limits, index) => { if (this.panels[index]) this.panels[index].limits = limits; });
     this.reason.hidden = true;
-    this.root.classList.remove("busy");
+    this.root.classList.toggle("busy", draft);
+    this.root.classList.toggle("draft", draft);
+    if (draft) this.time.textContent = "draft";
     this.drawn = [drawn, data];
     this.knots();
   }
@@ -262,6 +271,7 @@ class Card {
     const handle = make(this.handles, "circle", { cx: x, cy: y, r: 4.5, tabindex: 0, role: "slider" });
     const name = pointer.split("/")[2].replaceAll("~1", "/").replaceAll("~0", "~");
     handle.setAttribute("aria-label", `Point ${index + 1} of law ${name}`);
+    handle.setAttribute("aria-valuenow", value[index][1]);
     handle.setAttribute("aria-valuetext", `${digits(value[index][0])} Pa, ${digits(value[index][1])} Pa/m`);
     // Between its neighbours, and at zero pressure where it is there.
     const between = (number, k, bounded) => {
@@ -412,11 +422,16 @@ class Row {
     });
     this.root.append(element("div", { className: "line" }, this.label(name), this.undo, this.field));
   }
-  pairs() {
+  pairs(name, { columns, pulse }) {
     this.body = element("tbody");
     const head = text => element("th", { textContent: text, scope: "col" });
-    this.root.append(element("div", { className: "line" }, element("span", { className: "label", textContent: this.control.label }), this.undo),
-      element("table", { className: "pairs" }, element("thead", {}, element("tr", {}, head("p (Pa)"), head("K (Pa/m)"))), this.body));
+    this.root.append(element("div", { className: "line" }, element("span", { className: "label", textContent: this.control.label }), this.undo));
+    if (pulse) {
+      this.pad = new Pad((points, passing) => change(this.control.pointer, points, passing));
+      this.root.append(this.pad.root);
+    }
+    const table = element("table", { className: "pairs" }, element("thead", {}, element("tr", {}, ...columns.map(head))), this.body);
+    this.root.append(element("div", { className: "scrolled" }, table));
   }
   // Shows the value of a newer control of the same kind.
   show(control) {
@@ -438,13 +453,18 @@ class Row {
     } else if (control.control === "flag") {
       this.field.checked = control.value;
     } else if (control.control === "choice") {
-      const options = control.options.map(one => element("option", { textContent: one.label.replaceAll("_", " ") }));
+      const name = ({ label, value }) => {
+        if (label !== "samples" || !value?.points) return label.replaceAll("_", " ");
+        return label === control.chosen && described.driven !== null ? "measured pulse" : "drawn pulse";
+      };
+      const options = control.options.map(one => element("option", { textContent: name(one) }));
       this.field.replaceChildren(...options);
       this.field.selectedIndex = control.options.findIndex(one => one.label === control.chosen);
-    } else if (!this.body.contains(active)) {
-      this.body.replaceChildren(...control.value.map((pair, row) => element("tr", {}, ...pair.map((number, column) => {
+    } else {
+      this.pad?.show(control.value);
+      if (!this.body.contains(active)) this.body.replaceChildren(...control.value.map((pair, row) => element("tr", {}, ...pair.map((number, column) => {
         const field = element("input", { type: "text", value: digits(number), inputMode: "decimal" });
-        field.setAttribute("aria-label", `${column ? "Stiffness" : "Pressure"} ${row + 1}`);
+        field.setAttribute("aria-label", `${control.columns[column]} of point ${row + 1}`);
         field.addEventListener("change", () => {
           const value = typed(field.value);
           if (value === null || Number.isNaN(value)) { field.setAttribute("aria-invalid", "true"); return; }
@@ -456,6 +476,144 @@ class Row {
     }
   }
 }
+
+// A force over time that is drawn: a stroke replaces it, its points are dragged, moved with the arrow keys, added and
+// removed. `change` takes the points, as a passing state while the pointer is down.
+const PAD = { width: 288, height: 132, left: 4, right: 284, top: 16, bottom: 116 };
+// Points of a stroke, and room beyond the longest time and the largest force.
+const STROKE = 60, ROOM = 1.25, MOST_POINTS = 200;
+class Pad {
+  constructor(change) {
+    Object.assign(this, { change, points: [], held: null });
+    this.svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+    this.svg.setAttribute("viewBox", `0 0 ${PAD.width} ${PAD.height}`);
+    this.svg.setAttribute("role", "group");
+    this.svg.setAttribute("aria-label", "Force over time: draw it with the pointer, or move its points with the arrow keys; Delete removes a point");
+    const button = (text, act) => {
+      const made = element("button", { type: "button", className: "small", textContent: text });
+      made.addEventListener("click", act);
+      return made;
+    };
+    this.root = element("div", { className: "pad" }, this.svg,
+      element("div", { className: "line" }, element("span", { className: "hint", textContent: "draw with the pointer, or" }), button("add point", () => this.add())));
+    this.svg.addEventListener("pointerdown", event => {
+      if (event.target.tagName === "circle") return;
+      this.svg.setPointerCapture(event.pointerId);
+      event.preventDefault();
+      this.held = { stroke: [this.at(event)] };
+    });
+    this.svg.addEventListener("pointermove", event => {
+      if (!this.held) return;
+      if (this.held.stroke) this.extend(this.at(event)); else this.move(this.held.index, this.at(event), true);
+    });
+    const drop = () => {
+      const held = this.held;
+      this.held = null;
+      if (held?.changed) this.change(this.points, false);
+    };
+    this.svg.addEventListener("pointerup", drop);
+    this.svg.addEventListener("pointercancel", drop);
+  }
+  // The axes stay while the pointer is down.
+  show(points) {
+    if (this.held) return;
+    this.points = points;
+    const times = points.map(([time]) => time), forces = points.map(([, force]) => force);
+    const largest = Math.max(...forces.map(Math.abs)) || 1;
+    const least = Math.min(0, ...forces);
+    this.time = { low: Math.min(0, times[0]), high: ROOM * times.at(-1) || 1, log: false };
+    this.force = { low: least && ROOM * least, high: Math.max(ROOM * Math.max(...forces), 0.2 * largest), log: false };
+    this.draw();
+  }
+  place([time, force]) {
+    return [placeOf(this.time, time, PAD.left, PAD.right), placeOf(this.force, force, PAD.bottom, PAD.top)];
+  }
+  at(event) {
+    const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(this.svg.getScreenCTM().inverse());
+    const [x, y] = [clamp(point.x, PAD.left, PAD.right), clamp(point.y, PAD.top, PAD.bottom)];
+    return [valueAt(this.time, x, PAD.left, PAD.right), valueAt(this.force, y, PAD.bottom, PAD.top)];
+  }
+  // A stroke goes forwards; where it goes back it takes its points along. It begins and ends without a force.
+  extend([time, force]) {
+    const least = (this.time.high - this.time.low) / STROKE;
+    const stroke = this.held.stroke.filter(([earlier]) => earlier <= time - least);
+    this.held.stroke = stroke.length ? [...stroke, [time, force]] : [[time, force]];
+    const last = this.held.stroke.length - 1;
+    if (last < 2) return;
+    this.points = this.held.stroke.map(([t, f], k) => [rounded(t), k && k < last ? rounded(f) : 0]);
+    this.held.changed = true;
+    this.draw();
+    this.change(this.points, true);
+  }
+  move(index, [time, force], passing) {
+    const [before, after] = [this.points[index - 1]?.[0], this.points[index + 1]?.[0]];
+    const gap = (this.time.high - this.time.low) * 1e-3;
+    const moved = clamp(time, before === undefined ? Math.min(0, time) : before + gap, after === undefined ? Infinity : after - gap);
+    this.points = this.points.map((point, k) => k === index ? [rounded(moved), rounded(force)] : point);
+    if (this.held) this.held.changed = true;
+    this.draw();
+    this.change(this.points, passing);
+  }
+  // Another point in the middle of the longest interval.
+  add() {
+    if (this.points.length >= MOST_POINTS) { say(`at most ${MOST_POINTS} points`); return; }
+    const lengths = this.points.slice(1).map(([time], k) => time - this.points[k][0]);
+    const at = lengths.indexOf(Math.max(...lengths));
+    const middle = [0, 1].map(k => rounded((this.points[at][k] + this.points[at + 1][k]) / 2));
+    this.change(this.points.toSpliced(at + 1, 0, middle), false);
+  }
+  draw() {
+    const focused = [...this.svg.querySelectorAll("circle")].indexOf(document.activeElement);
+    if (focused < 0 || this.handles?.length !== this.points.length) {
+      this.svg.replaceChildren();
+      make(this.svg, "rect", { x: PAD.left, y: PAD.top, width: PAD.right - PAD.left, height: PAD.bottom - PAD.top, class: "ground" });
+      this.zero = make(this.svg, "line", { class: "zero" });
+      this.line = make(this.svg, "polyline", { class: "force" });
+      // Handles of a measured force would hide it.
+      this.handles = this.points.length > STROKE ? [] : this.points.map((_, index) => this.handle(index));
+      this.texts = [["start", PAD.left, 10], ["end", PAD.right, PAD.height - 4]].map(([anchor, x, y]) =>
+        make(this.svg, "text", { x, y, "text-anchor": anchor }));
+    }
+    if (this.next !== undefined) { this.handles[this.next]?.focus(); this.next = undefined; }
+    const places = this.points.map(point => this.place(point));
+    const zero = this.place([0, 0])[1];
+    for (const [key, value] of Object.entries({ x1: PAD.left, x2: PAD.right, y1: zero, y2: zero })) this.zero.setAttribute(key, value);
+    this.line.setAttribute("points", places.map(place => place.map(value => value.toFixed(1)).join(" ")).join(" "));
+    this.handles.forEach((handle, k) => {
+      handle.setAttribute("cx", places[k][0]);
+      handle.setAttribute("cy", places[k][1]);
+      handle.setAttribute("aria-valuenow", this.points[k][1]);
+      handle.setAttribute("aria-valuetext", `${digits(this.points[k][0])} s, ${digits(this.points[k][1])} N`);
+    });
+    this.texts[0].textContent = `${digits(Number(this.force.high.toPrecision(3)))} N`;
+    this.texts[1].textContent = `${digits(Number((1e3 * this.time.high).toPrecision(3)))} ms`;
+  }
+  handle(index) {
+    const handle = make(this.svg, "circle", { r: this.points.length > STROKE / 2 ? 3 : 4, tabindex: 0, role: "slider" });
+    handle.setAttribute("aria-label", `Point ${index + 1} of the force`);
+    handle.addEventListener("pointerdown", event => {
+      event.preventDefault();
+      handle.focus();
+      this.svg.setPointerCapture(event.pointerId);
+      this.held = { index };
+    });
+    handle.addEventListener("keydown", event => {
+      const [time, force] = this.points[index];
+      const [across, up] = [(this.time.high - this.time.low) / 100, (this.force.high - this.force.low) / 100];
+      const step = { ArrowLeft: [-across, 0], ArrowRight: [across, 0], ArrowDown: [0, -up], ArrowUp: [0, up] }[event.key];
+      if (step) {
+        event.preventDefault();
+        this.move(index, [time + step[0], force + step[1]], false);
+      } else if ((event.key === "Delete" || event.key === "Backspace") && this.points.length > 2) {
+        event.preventDefault();
+        this.next = Math.min(index, this.points.length - 2);
+        this.change(this.points.toSpliced(index, 1), false);
+      }
+    });
+    return handle;
+  }
+}
+const rounded = number => Number(number.toPrecision(4));
 
 // A unit with its superscripts.
 const superscripts = unit => unit.split(/(\^\{[^}]*\})/).map(part =>
@@ -481,6 +639,34 @@ const showControls = groups => {
     }));
   }
   for (const { controls } of groups) for (const control of controls) rows.get(control.pointer + control.control).show(control);
+  showHits();
+};
+
+// The measured forces of the hits, one of which may excite the scenario.
+const showHits = () => {
+  const { hits, driven } = described;
+  const group = [...$("controls").querySelectorAll("details")].find(one => one.dataset.title === "Excitation")?.querySelector(".group");
+  if (!group || !hits?.some(hit => hit.pulse)) return;
+  let field = $("hit");
+  if (!field) {
+    const option = (value, text) => element("option", { value, textContent: text });
+    const known = hits.map((hit, k) => [hit, k]).filter(([hit]) => hit.pulse);
+    field = element("select", { id: "hit" }, option("", "none"), ...known.map(([hit, k]) => option(k, `hit ${k + 1}, ${hit.force_n} N`)));
+    field.addEventListener("change", () => drive(field.value));
+    group.prepend(element("div", { className: "control", title: "The force that was measured in a hit, as the excitation" },
+      element("div", { className: "line" }, element("label", { htmlFor: "hit", textContent: "Measured force" }), field)));
+  }
+  if (document.activeElement !== field) field.value = driven ?? "";
+};
+const drive = async hit => {
+  if (hit === "") { change("/excitation", null); return; }
+  try {
+    const response = await post("pulse", { changes: state.changes, hit: Number(hit) });
+    const answer = await response.json();
+    if (answer.error) say(answer.error); else change("/excitation", answer.excitation);
+  } catch (error) {
+    say(`no answer: ${error.message}`);
+  }
 };
 
 // ---- Settings of views -------------------------------------------------------------------------
@@ -534,7 +720,7 @@ const show = () => {
   $("file").textContent = title ? file : "";
   $("save").title = `Write scenario, figures and tables to ${out}`;
   $("problem").hidden = hits === null;
-  if (hits !== null) $("file").textContent += ` · ${hits} measured hits`;
+  if (hits !== null) $("file").textContent += ` · ${hits.length} measured hits`;
   document.title = `${title ?? file} · asperity explore`;
   if (!cards.size) build(views);
   showControls(groups);

@@ -164,20 +164,76 @@ fn the_newest_input_is_answered() {
     assert!(ends.iter().any(|end| end == "done"));
 }
 
-/// A run of some minutes gives way to the next input.
+/// Runs of some minutes give way to the next input: by finite differences, at equal steps, and force levels at steps
+/// of their own.
 #[test]
 fn a_newer_input_stops_a_long_run() {
     let page = Page::new();
     let path = format!("{}compute", page.path);
-    let long =
-        json!([["/duration_s", 7], ["/method", { "kind": "finite_difference", "cell_m": 1e-4 }]]);
-    let asked = request("tab", "hit", &["frf"], &long, &json!({})).to_string();
-    let first = page.open("POST", &path, &page.own_head(), asked.as_bytes());
-    // The first has begun once the server answers again.
-    assert_eq!(page.get("").status, 200);
-    let lines = page.compute("hit", &["frf"], &json!([]));
-    assert_eq!(lines.last().unwrap()["answer"], "done");
-    assert_eq!(read(first).lines().last().unwrap()["answer"], "superseded");
+    let slow = |method: Value| json!([["/duration_s", 7], ["/method", method]]);
+    for (part, view, changes) in [
+        ("hit", "frf", slow(json!({ "kind": "finite_difference", "cell_m": 1e-4 }))),
+        ("hit", "frf", slow(json!({ "kind": "modal", "step_s": 1e-8 }))),
+        (
+            "levels",
+            "levels",
+            json!([["/duration_s", 7], ["/excitation/peak_n", 60], ["/laws/rough/exponent", 0.5]]),
+        ),
+    ] {
+        let settings = json!({ "level_from": 30, "level_to": 90, "levels": 200 });
+        let asked = request("tab", part, &[view], &changes, &settings).to_string();
+        let first = page.open("POST", &path, &page.own_head(), asked.as_bytes());
+        // The first has begun once the server answers again.
+        assert_eq!(page.get("").status, 200);
+        let settings = json!({ "levels": 2 });
+        let lines = page.compute_with(part, &[view], &json!([]), &settings);
+        assert_eq!(lines.last().unwrap()["answer"], "done");
+        assert_eq!(read(first).lines().last().unwrap()["answer"], "superseded", "{changes}");
+    }
+}
+
+/// Force levels are drawn at once, and again as the command draws them.
+#[test]
+fn levels_come_as_a_draft_first() {
+    let page = Page::new();
+    let settings = json!({ "level_from": 2, "level_to": 40, "levels": 5 });
+    let lines = page.compute_with("levels", &["levels"], &json!([]), &settings);
+    let pictures: Vec<&Value> = lines.iter().filter(|line| line["answer"] == "picture").collect();
+    let drafts: Vec<&Value> = pictures.iter().map(|picture| &picture["draft"]).collect();
+    assert_eq!(drafts, [true, false]);
+    let words: Vec<&str> = lines.iter().filter_map(|line| line["text"].as_str()).collect();
+    assert!(words[0].contains("a draft") && words[1] == "5 runs\n", "{words:?}");
+    let points = |picture: &Value| -> Vec<f64> {
+        let data: Value = serde_json::from_str(picture["data"].as_str().unwrap()).unwrap();
+        let marks = data["panels"][0]["series"][0]["marks"].as_array().unwrap().clone();
+        marks.iter().map(|mark| mark.as_f64().unwrap()).collect()
+    };
+    let [draft, last] = [points(pictures[0]), points(pictures[1])];
+    assert_eq!(draft.len(), last.len());
+    assert!(draft.iter().zip(&last).all(|(a, b)| (a - b).abs() < 2.0), "{draft:?} {last:?}");
+    // Scenarios by finite differences, whose errors take no runs of their own, have no draft.
+    let changes = json!([["/method", { "kind": "finite_difference", "cell_m": 2e-2 }]]);
+    let lines = page.compute_with("levels", &["levels"], &changes, &json!({ "levels": 2 }));
+    assert_eq!(lines.iter().filter(|line| line["answer"] == "picture").count(), 1);
+}
+
+/// The path of a contact is drawn with its law and the state at rest; a damped contact has a loop.
+#[test]
+fn paths_of_contacts_are_drawn() {
+    let page = Page::new();
+    let names = |changes: &Value| {
+        let lines = page.compute("hit", &["pressure_closure"], changes);
+        let data = line(&lines, "picture")["data"].as_str().unwrap().to_owned();
+        let data: Value = serde_json::from_str(&data).unwrap();
+        let series = data["panels"][0]["series"].as_array().unwrap().clone();
+        let runs = series[0]["runs"][0].as_array().unwrap().clone();
+        let names = series.iter().map(|one| one["name"].as_str().unwrap().to_owned());
+        (names.collect::<Vec<_>>(), runs)
+    };
+    let (series, elastic) = names(&json!([]));
+    assert_eq!(series, ["path", "law", "at rest"]);
+    let damped = json!([["/interfaces/0/damping", { "kind": "kelvin_voigt", "time_s": 3e-5 }]]);
+    assert_ne!(names(&damped).1, elastic);
 }
 
 /// So does a branch of steady responses that folds for minutes.

@@ -5,7 +5,7 @@ use std::path::Path;
 use asperity_explore::ExploreOptions;
 use serde_json::{Value, json};
 
-use crate::client::{Page, block};
+use crate::client::{Page, block, line};
 
 fn state(page: &Page, changes: &Value) -> Value {
     serde_json::from_str(&page.post("state", &json!({ "changes": changes })).body).unwrap()
@@ -139,5 +139,47 @@ fn a_newly_chosen_law_is_as_stiff_at_rest() {
     for option in options.iter().filter(|one| one["label"] != "in_series") {
         let ratio = frequency(&option["value"]) / own;
         assert!((0.6..1.5).contains(&ratio), "{option}: {ratio}");
+    }
+}
+
+/// A force can be drawn: the choice of samples begins with points as high and as long as the present pulse, which are a
+/// control; points that a document does not take are faults in their places.
+#[test]
+fn a_force_can_be_drawn() {
+    let page = Page::new();
+    let described = |changes: Value| -> Value {
+        serde_json::from_str(&page.post("state", &json!({ "changes": changes })).body).unwrap()
+    };
+    let control = |described: &Value, pointer: &str, kind: &str| -> Value {
+        let groups = described["groups"].as_array().unwrap().iter();
+        let mut controls = groups.flat_map(|group| group["controls"].as_array().unwrap());
+        let is_wanted = |one: &&Value| one["pointer"] == pointer && one["control"] == kind;
+        controls.find(is_wanted).unwrap_or_else(|| panic!("{pointer}: {described}")).clone()
+    };
+    let kinds = control(&described(json!([])), "/excitation", "choice");
+    let options = kinds["options"].as_array().unwrap();
+    let samples = options.iter().find(|option| option["label"] == "samples").unwrap();
+    let points: Vec<[f64; 2]> = serde_json::from_value(samples["value"]["points"].clone()).unwrap();
+    // A gamma pulse of 5 N with a rise time of 0.3 ms.
+    assert_eq!((points[0], points[2], points[10]), ([0.0, 0.0], [3e-4, 5.0], [1.5e-3, 0.0]));
+    let drawn = json!([[0, 0], [4e-4, 7.5], [6e-4, 2], [1e-3, 0]]);
+    let changes = json!([["/excitation", samples["value"]], ["/excitation/points", drawn]]);
+    let state = described(changes.clone());
+    assert_eq!(state["faults"], json!([]));
+    let pad = control(&state, "/excitation/points", "pairs");
+    assert_eq!((&pad["pulse"], &pad["columns"]), (&json!(true), &json!(["t (s)", "F (N)"])));
+    assert_eq!(pad["value"].as_array().unwrap().len(), 4);
+    let lines = page.compute("hit", &["history"], &changes);
+    let data = line(&lines, "picture")["data"].as_str().unwrap().to_owned();
+    assert!(data.contains("Force"), "{data}");
+    for (points, place) in [
+        (json!([[0, 0], [1e-3, 1], [5e-4, 0]]), "/excitation/points/2/0"),
+        (json!([[0, 0]]), "/excitation/points"),
+        (json!((0..10_001).map(|n| [n, 1]).collect::<Vec<_>>()), "/excitation/points"),
+        (json!([[0, "/etc/passwd"], [1, 0]]), "/excitation/points"),
+    ] {
+        let state =
+            described(json!([["/excitation", samples["value"]], ["/excitation/points", points]]));
+        assert_eq!(state["faults"][0]["pointer"], place, "{}", state["faults"]);
     }
 }

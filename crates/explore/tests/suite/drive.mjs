@@ -1,4 +1,4 @@
-// Drives the page in a browser by its debugging protocol: slider, undo, reload, knot, kind, fault, save.
+// Drives the page in a browser by its debugging protocol: slider, undo, reload, knot, fault, drawn force, save.
 // Arguments: address of the browser's protocol, address of the page. Prints a JSON object of what it saw.
 import { connect } from "./browser.mjs";
 
@@ -47,6 +47,42 @@ await evaluate(`(() => { const field = ${row("Rise time")}.querySelector("input"
 await until(`!document.getElementById("faults").hidden`);
 found.fault = await evaluate(`document.getElementById("faults").textContent`);
 await click("undo");
+// A force is drawn with the pointer, one of its points moved by a key and typed, another removed.
+await evaluate(`(() => {
+  const field = [...document.querySelectorAll("#controls select")].find(one => one.selectedOptions[0]?.textContent === "gamma pulse");
+  field.selectedIndex = [...field.options].findIndex(one => one.textContent === "drawn pulse");
+  field.dispatchEvent(new Event("change"));
+})()`);
+await until(`document.querySelector(".pad polyline")`);
+await idle();
+const points = () => evaluate(`JSON.parse(new URLSearchParams(location.hash.slice(1)).getAll("set").find(one => one.startsWith("/excitation/points="))?.split("=")[1] ?? "null")`);
+const pad = await box(`document.querySelector(".pad svg")`);
+const place = (x, y) => [pad.x + x * pad.width, pad.y + y * pad.height];
+await mouse("mousePressed", ...place(0.06, 0.6));
+for (const [x, y] of [[0.1, 0.5], [0.2, 0.3], [0.3, 0.2], [0.36, 0.3], [0.5, 0.55], [0.6, 0.8]]) await mouse("mouseMoved", ...place(x, y));
+await mouse("mouseReleased", ...place(0.6, 0.8));
+await idle();
+found.stroke = await points();
+await step("drawn");
+await click("undo");
+found.before = await points();
+await click("redo");
+const key = async name => {
+  await call("Input.dispatchKeyEvent", { type: "keyDown", key: name });
+  await call("Input.dispatchKeyEvent", { type: "keyUp", key: name });
+  await idle();
+};
+await evaluate(`document.querySelectorAll(".pad circle")[2].focus()`);
+await key("ArrowUp");
+found.raised = await points();
+await key("Delete");
+found.removed = await points();
+await evaluate(`(() => { const field = document.querySelectorAll(".pad ~ .scrolled input")[3]; field.value = "17.5"; field.dispatchEvent(new Event("change")); })()`);
+await idle();
+await step("typed");
+await call("Page.reload");
+await idle();
+await step("again");
 await click("save");
 await until(`document.getElementById("status").textContent.includes("written")`);
 await step("saved");

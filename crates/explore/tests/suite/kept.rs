@@ -18,7 +18,7 @@ fn page_of(out: &Path) -> Page {
 
 fn keep(page: &Page, overwrite: bool) -> Value {
     let changes = json!([["/excitation/peak_n", 9]]);
-    let views = ["law", "frf", "history"];
+    let views = ["law", "frf", "history", "pressure_closure"];
     let asked = json!({ "changes": changes, "views": views, "overwrite": overwrite });
     serde_json::from_str(&page.post("keep", &asked).body).unwrap()
 }
@@ -41,6 +41,8 @@ fn saved_files_are_the_commands() {
     assert_eq!(std::fs::read_to_string(out.join("history.csv")).unwrap(), history_csv(&run));
     let drawn = std::fs::read_to_string(out.join("history.svg")).unwrap();
     assert_eq!(drawn, asperity_plot::history(&run).to_svg());
+    let drawn = std::fs::read_to_string(out.join("pressure-closure.svg")).unwrap();
+    assert_eq!(drawn, asperity_plot::pressure_closure(&run).unwrap().to_svg());
 }
 
 #[test]

@@ -2,13 +2,16 @@
 
 use std::path::Path;
 
+use asperity_experiment::{AnalysisOptions, ResponseChoice, analyse};
 use asperity_explore::ExploreOptions;
 use asperity_identify::IdentificationProblem;
+use asperity_measure::{Format, WriteOptions, write};
 use asperity_scenario::Document;
+use asperity_simulation::record::measurement_record;
 use asperity_simulation::run::simulate;
 use serde_json::{Value, json};
 
-use crate::client::{Page, block, line};
+use crate::client::{Page, block, changed, line};
 
 const FORCES: [f64; 3] = [3.0, 6.0, 12.0];
 
@@ -56,7 +59,9 @@ fn chi_square_is_the_sum_over_the_hits() {
     let folder = tempfile::tempdir().unwrap();
     let page = page_of(folder.path());
     let lines = page.compute("levels", &["levels"], &json!([]));
-    let words = line(&lines, "words")["text"].as_str().unwrap();
+    // A draft comes before.
+    let words = lines.iter().rev().find(|line| line["answer"] == "words").unwrap();
+    let words = words["text"].as_str().unwrap();
     let value = |name: &str| -> f64 {
         let found =
             words.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{words}"));
@@ -102,3 +107,101 @@ fn a_file_without_hits_is_refused_at_once() {
     let error = asperity_explore::Server::open(&block(), &options).unwrap_err().to_string();
     assert!(error.contains("asperity/analysis/1"), "{error}");
 }
+
+/// Hits by half-sines, recorded and analysed, beside a scenario with another pulse: each hit is computed under its own
+/// force, as a hit of the page may be, and chi-square tells no difference.
+#[test]
+fn hits_are_computed_under_their_own_forces() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = Vec::new();
+    for force in FORCES {
+        let mut document = Document::read(block()).unwrap();
+        let pulse = json!({ "kind": "half_sine", "peak_n": force, "duration_s": 1.2e-3 });
+        document.set("/excitation", &pulse.to_string()).unwrap();
+        document.set("/duration_s", "0.12").unwrap();
+        let run = simulate(&document, &document.scenario().unwrap()).unwrap();
+        let file = folder.path().join(format!("hit_{force}.uff"));
+        let record = [measurement_record(&run, None)];
+        write(&file, &record, Format::UniversalBinary, &WriteOptions::default()).unwrap();
+        files.push(file);
+    }
+    let options = AnalysisOptions {
+        responses: ResponseChoice::of(&["displacement".into()]),
+        ..AnalysisOptions::default()
+    };
+    let analysis = analyse(&files, &options).unwrap();
+    let mut report = serde_json::to_value(&analysis.responses[0].report).unwrap();
+    for hit in report["hits"].as_array_mut().unwrap() {
+        for (place, relative) in [("frequency", 1e-4), ("magnitude", 1e-3)] {
+            let fundamental = hit["fundamental"].as_object_mut().unwrap();
+            let (value, deviation) = match place {
+                "frequency" => ("frequency_hz", "frequency_uncertainty_hz"),
+                _ => ("magnitude", "magnitude_uncertainty"),
+            };
+            let found = fundamental[value].as_f64().unwrap();
+            fundamental.insert(deviation.to_owned(), json!(relative * found));
+        }
+    }
+    let chi_square = |report: &Value| {
+        let path = folder.path().join("analysis.json");
+        std::fs::write(&path, report.to_string()).unwrap();
+        let mut options = ExploreOptions::default();
+        options.data = Some(path);
+        let page = Page::of_document(changed("/duration_s", "0.12"), &options);
+        let lines = page.compute("levels", &["levels"], &json!([]));
+        let words = lines.iter().rev().find(|line| line["answer"] == "words").unwrap();
+        let words = words["text"].as_str().unwrap().to_owned();
+        let data =
+            lines.iter().rev().find(|line| line["answer"] == "picture").unwrap()["data"].clone();
+        (page, words, data.as_str().unwrap().to_owned())
+    };
+    let value = |words: &str, name: &str| -> f64 {
+        let found =
+            words.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{words}"));
+        found.split(": ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap()
+    };
+    let (page, words, data) = chi_square(&report);
+    assert!(words.contains("each under its own measured force"), "{words}");
+    assert!(data.contains("computed, own force"));
+    let own: f64 = FEATURES.iter().map(|name| value(&words, name)).sum();
+    // The force of a hit becomes that of the scenario.
+    let asked = json!({ "changes": [], "hit": 1 });
+    let pulse: Value = serde_json::from_str(&page.post("pulse", &asked).body).unwrap();
+    let changes = json!([["/excitation", pulse["excitation"]]]);
+    let state = page.post("state", &json!({ "changes": changes }));
+    let state: Value = serde_json::from_str(&state.body).unwrap();
+    assert_eq!((&state["driven"], &state["faults"]), (&json!(1), &json!([])), "{pulse}");
+    assert_eq!(state["hits"][1], json!({ "force_n": "6", "pulse": true }));
+    let words = page.compute("hit", &["frf"], &changes);
+    let words = line(&words, "words")["text"].as_str().unwrap().to_owned();
+    let mut same = changed("/duration_s", "0.12");
+    let force = json!({ "kind": "half_sine", "peak_n": 6, "duration_s": 1.2e-3 });
+    same.set("/excitation", &force.to_string()).unwrap();
+    let run = simulate(&same, &same.scenario().unwrap()).unwrap();
+    let first = words
+        .lines()
+        .find(|line| line.contains("fundamental"))
+        .unwrap_or_else(|| panic!("{words}"));
+    let found = first.split_whitespace().find_map(|word| word.parse::<f64>().ok()).unwrap();
+    assert!((found / run.summary.fundamental.unwrap().frequency_hz - 1.0).abs() < 2e-5, "{words}");
+    let none = page.post("pulse", &json!({ "changes": [], "hit": 3 })).body;
+    assert!(none.contains("no measured force"), "{none}");
+    // Without the records the pulse is the scenario's, and the page says why.
+    for hit in report["hits"].as_array_mut().unwrap() {
+        let name = hit["file"].as_str().unwrap();
+        hit["file"] = json!(format!("elsewhere/{}", name.replace("hit_", "no_")));
+    }
+    let (_page, words, data) = chi_square(&report);
+    assert!(
+        words.contains("with the pulse of the scenario") && words.contains("was not found"),
+        "{words}"
+    );
+    assert!(!data.contains("computed, own force"));
+    let scaled: f64 = FEATURES.iter().map(|name| value(&words, name)).sum();
+    assert!(
+        own < 0.1 && scaled > 3.0 * own,
+        "{own} under own forces, {scaled} under the scenario's"
+    );
+}
+
+const FEATURES: [&str; 2] = ["fundamental.frequency_hz", "fundamental.receptance_m_per_n"];

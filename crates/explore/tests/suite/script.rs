@@ -74,7 +74,7 @@ fn driven(script: &str, arguments: &[&str]) -> Option<Value> {
     Some(serde_json::from_slice(&output.stdout).unwrap())
 }
 
-/// A slider, undo, reload, a dragged point of a law, a fault and saved files, in a browser under the policy of
+/// A slider, undo, reload, a dragged point of a law, a fault, a drawn force and saved files, in a browser under the policy of
 /// the page; the numbers shown are those of the saved scenario.
 #[test]
 fn a_browser_moves_numbers() {
@@ -99,13 +99,35 @@ fn a_browser_moves_numbers() {
     assert!(force > 40.0, "{seen}");
     assert_ne!(of("slid", "words"), of("start", "words"));
     assert_eq!(of("undone", "force"), "32");
-    for step in ["redone", "reloaded", "knot", "saved"] {
+    for step in ["redone", "reloaded", "knot"] {
         assert_eq!(of(step, "force"), of("slid", "force"), "{step}");
     }
     assert!(of("knot", "hash").contains("/laws/modified/knots/1="), "{}", of("knot", "hash"));
     assert!(seen["fault"].as_str().unwrap().contains("/excitation/rise_s"), "{seen}");
+    let points =
+        |step: &str| -> Vec<[f64; 2]> { serde_json::from_value(seen[step].clone()).unwrap() };
+    let stroke = points("stroke");
+    // A stroke begins and ends without a force, and has the points between; undo takes it back at once.
+    assert!(stroke.len() == 7 && seen["before"].is_null(), "{seen}");
+    assert!(
+        stroke[0][1] == 0.0 && stroke[6][1] == 0.0 && stroke.iter().all(|point| point[1] >= 0.0)
+    );
+    assert!(stroke.windows(2).all(|pair| pair[1][0] > pair[0][0]), "{stroke:?}");
+    let (raised, removed) = (points("raised"), points("removed"));
+    assert!(raised[2][1] > stroke[2][1] && raised[2][0] == stroke[2][0], "{raised:?}");
+    assert_eq!(removed, [&raised[..2], &raised[3..]].concat());
+    // The last line has the time of the run.
+    let words = |step: &str| {
+        of(step, "words").lines().filter(|line| !line.starts_with("run ")).collect::<String>()
+    };
+    assert_ne!(words("drawn"), words("knot"));
+    assert_eq!(words("again"), words("typed"));
     let saved = Document::read(out.join("scenario.json")).unwrap();
-    assert_eq!(saved.value()["excitation"]["peak_n"], force);
+    let mut typed = removed;
+    typed[1][1] = 17.5;
+    let kept: Vec<[f64; 2]> =
+        serde_json::from_value(saved.value()["excitation"]["points"].clone()).unwrap();
+    assert_eq!(kept, typed, "{seen}");
     let run = simulate(&saved, &saved.scenario().unwrap()).unwrap();
     let words = asperity_plot::run_words(&run.summary);
     for line in words.lines().filter(|line| !line.starts_with("run ")) {

@@ -203,7 +203,9 @@ class Law:
 
 @final
 class LivePage:
-    def __new__(cls, scenario: _ScenarioLike, data: Path | None, out: Path | None) -> LivePage: ...
+    def __new__(
+        cls, scenario: _ScenarioLike, data: Path | None, out: Path | None, temporary: bool = False
+    ) -> LivePage: ...
     @staticmethod
     def page() -> str: ...
     def answer(self, place: str, body: str, send: Callable[[int | str], bool]) -> None: ...
@@ -393,6 +395,7 @@ def simulate(
     tuple[_Numbers, Figure],
     tuple[_Numbers, Figure] | None,
     _Columns | None,
+    Figure | None,
     list[tuple[str, str]],
 ]: ...
 def sweep(

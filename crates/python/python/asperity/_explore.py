@@ -134,7 +134,9 @@ def explore(
     >>> page.scenario.simulate()                                                # doctest: +SKIP
     """
     path, folder = _data_file(data)
-    answers = _asperity.LivePage(scenario, path, None if out is None else Path(out))
+    answers = _asperity.LivePage(
+        scenario, path, None if out is None else Path(out), temporary=folder is not None
+    )
     if _in_notebook():
         return Explorer(answers, folder)
 

@@ -27,7 +27,7 @@ class Simulation(Result):
         Time history, as in ``history.csv``: ``time_s``, ``force_n``, ``displacement_m``,
         ``acceleration_m_per_s2`` (or ``SENSOR:displacement_m`` and the like for each sensor of
         the scenario), and for each interface ``NAME:pressure_pa``, ``NAME:closure_m``
-        and ``NAME:stiffness_pa_per_m``.
+        and ``NAME:stiffness_pa_per_m``; with contact damping or friction also ``NAME:traction_pa``.
     frf : Table or None
         Receptance of the first sensor, or with a moving base its transmissibility, as in ``frf.csv``: ``frequency_hz``, ``real_m_per_n``,
         ``imag_m_per_n``, ``magnitude_m_per_n``, ``phase_rad``; None without a force.
@@ -38,6 +38,8 @@ class Simulation(Result):
         The response over time, as in ``history.svg``.
     frf_figure : Figure or None
         The receptance, as in ``frf.svg``; None without a force.
+    pressure_closure_figure : Figure or None
+        Traction of each contact over its closure, with its law, as in ``pressure-closure.svg``; None without contacts.
     """
 
     summary: dict[str, Any] = field(repr=False)
@@ -46,6 +48,7 @@ class Simulation(Result):
     cells: Table | None
     history_figure: _asperity.Figure = field(repr=False)
     frf_figure: _asperity.Figure | None = field(repr=False)
+    pressure_closure_figure: _asperity.Figure | None = field(repr=False)
 
     def _repr_html_(self) -> str:
         figures = (self.frf_figure, self.history_figure)
@@ -84,8 +87,11 @@ def simulate(
     ComputationError
         If the integration fails.
     """
-    summary, (history, history_figure), frf, cells, doubts = _asperity.simulate(scenario, progress)
+    found = _asperity.simulate(scenario, progress)
+    summary, (history, history_figure), frf, cells, paths, doubts = found
     tell(doubts)
     receptance, frf_figure = (None, None) if frf is None else (Table(frf[0]), frf[1])
-    found = None if cells is None else Table(cells)
-    return Simulation(summary, Table(history), receptance, found, history_figure, frf_figure)
+    of_cells = None if cells is None else Table(cells)
+    return Simulation(
+        summary, Table(history), receptance, of_cells, history_figure, frf_figure, paths
+    )

@@ -78,6 +78,9 @@ fn base_displacement(excitation: &Node<'_>, found: &mut Vec<Diagnostic>) {
 fn samples(excitation: &Node<'_>, folder: &Path, found: &mut Vec<Diagnostic>) {
     // What is no excitation was rejected by the schema.
     let Ok(spec) = ExcitationSpec::deserialize(excitation.value) else { return };
+    if let ExcitationSpec::Samples { points: Some(points), peak_n, .. } = &spec {
+        return check_points(excitation, points, peak_n.is_some(), found);
+    }
     let Some(SamplesFile { file, column, peak }) = spec.samples() else { return };
     let quantities = ["acceleration", "velocity", "displacement"];
     let owner = quantities.into_iter().find_map(|key| excitation.get(key));
@@ -107,6 +110,26 @@ fn samples(excitation: &Node<'_>, folder: &Path, found: &mut Vec<Diagnostic>) {
     let fault = Fault::Samples { file: file.to_owned(), source };
     let diagnostic = Diagnostic::new(&owner.at.child(key), fault, accepted);
     found.push(diagnostic.suggest_word(near.as_deref()));
+}
+
+/// Times of the points increase, and a force to be rescaled is not zero throughout.
+fn check_points(
+    excitation: &Node<'_>,
+    points: &[[f64; 2]],
+    is_rescaled: bool,
+    found: &mut Vec<Diagnostic>,
+) {
+    let place = excitation.at.child("points");
+    if let Some(row) = points.windows(2).position(|pair| pair[1][0] <= pair[0][0]) {
+        let [previous_s, time_s] = [points[row][0], points[row + 1][0]];
+        let fault = Fault::TimeNotIncreasing { time_s, previous_s };
+        let at = place.child(row + 1).child(0);
+        found.push(Diagnostic::new(&at, fault, "times that increase from point to point"));
+    } else if is_rescaled && points.iter().all(|point| point[1] == 0.0) {
+        let fault = Fault::Degenerate { quantity: "the largest force", value: 0.0 };
+        let accepted = "no peak_n, or points that are not zero throughout";
+        found.push(Diagnostic::new(&excitation.at.child("peak_n"), fault, accepted));
+    }
 }
 
 /// CSV file in the same folder whose name is nearest to `file`.

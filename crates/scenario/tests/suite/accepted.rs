@@ -85,7 +85,8 @@ fn omitted_values_take_their_defaults() {
 #[test]
 fn measured_samples_are_found_in_the_folder_of_the_scenario() {
     let document = Document::read(format!("{FOLDER}/measured-hammer.json")).unwrap();
-    let ExcitationSpec::Samples { file, peak_n, .. } = document.scenario().unwrap().excitation
+    let ExcitationSpec::Samples { file: Some(file), peak_n, .. } =
+        document.scenario().unwrap().excitation
     else {
         panic!("the fixture is excited by samples");
     };
@@ -461,4 +462,26 @@ fn laws_in_series_are_read_in_both_forms() {
         let error = read(&[("/laws/modified", law)]).unwrap_err().to_string();
         assert!(error.contains(place) && error.contains(words), "{law}: {error}");
     }
+}
+
+/// Points of a force: their number, their times and a force that can be rescaled are checked, in their places.
+#[test]
+fn points_of_a_force_are_checked() {
+    let pointers = |excitation: &str| {
+        let mut document = Document::read(format!("{FOLDER}/measured-hammer.json")).unwrap();
+        document.set("/excitation", excitation).unwrap();
+        let found = document.scenario().err().map(|invalid| invalid.diagnostics);
+        found.into_iter().flatten().map(|one| one.pointer).collect::<Vec<_>>()
+    };
+    let samples = |points: &str| pointers(&format!(r#"{{"kind": "samples", {points}}}"#));
+    assert!(samples(r#""points": [[0, 0], [1e-3, 8], [2e-3, 0]], "peak_n": 20"#).is_empty());
+    assert_eq!(samples(r#""points": [[0, 0], [1e-3, 8], [1e-3, 0]]"#), ["/excitation/points/2/0"]);
+    assert_eq!(samples(r#""points": [[0, 0]]"#), ["/excitation/points"]);
+    assert_eq!(samples(r#""points": [[0, 0], [1e-3]]"#), ["/excitation/points/1"]);
+    assert_eq!(samples(r#""points": [[0, 0], [1, 0]], "peak_n": 2"#), ["/excitation/peak_n"]);
+    let many: Vec<String> = (0..10_001).map(|n| format!("[{n}, 1]")).collect();
+    assert_eq!(samples(&format!(r#""points": [{}]"#, many.join(","))), ["/excitation/points"]);
+    assert_eq!(samples(r#""peak_n": 2"#), ["/excitation"]);
+    let both = r#""points": [[0, 0], [1, 1]], "file": "samples/hammer.csv""#;
+    assert_eq!(samples(both), ["/excitation"]);
 }

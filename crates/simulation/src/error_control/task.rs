@@ -29,6 +29,9 @@ const FIRST_TOLERANCE: f64 = 1e-5;
 /// First level at steps of its own: what opens and closes excites more modes.
 const FIRST_VARIED: Level = Level { step: 1, modes: 3 };
 
+/// Level at steps of its own of a draft.
+const DRAFT_VARIED: Level = Level { step: 0, modes: 2 };
+
 /// The same of tolerances at steps of its own: beyond, rounding counts.
 const MOST_TOLERANCES: i32 = 3;
 
@@ -433,6 +436,25 @@ impl<'a> Task<'a> {
             let lost = reference.get(Quantity::ContactLost, Some(i)).unwrap_or(0.0);
             (contact.lost - lost).abs() * natural <= LIKE_LOSS
         })
+    }
+
+    /// Begins anew at the steps of a draft if contact is lost.
+    pub(super) fn vary_steps_of_draft(&mut self) {
+        if self.is_open_at_equal_steps() {
+            (self.steps, self.level, self.fine) = (StepLengths::Own, DRAFT_VARIED, None);
+        }
+    }
+
+    /// The fine response as it is, without errors.
+    pub(super) fn drafted(self) -> Option<Result<ConvergedRun, SimulationError>> {
+        let counts = self.counts_at(self.level);
+        let run = |Response { case, record, observables }| ConvergedRun {
+            case,
+            observables,
+            counts,
+            record,
+        };
+        Some(self.fine?.map(run))
     }
 
     /// Accepts the fine response, or prepares the next level.

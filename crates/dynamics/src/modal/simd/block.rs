@@ -3,6 +3,7 @@
 mod build;
 mod coefficient;
 mod pair;
+mod start;
 mod work;
 
 use pulp::Simd;

@@ -3,6 +3,7 @@
 mod run;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use pulp::{Arch, NullaryFnOnce};
 
@@ -20,6 +21,8 @@ use run::Run;
 pub(in crate::modal) struct BlockRun<'a> {
     pub(in crate::modal) lanes: &'a [&'a PreparedCase],
     pub(in crate::modal) recording: Recording<'a>,
+    /// Ends the run once it is set.
+    pub(in crate::modal) stop: &'a AtomicBool,
 }
 
 /// Lanes of one run on `set`.
@@ -86,6 +89,10 @@ impl BlockRun<'_> {
         let mut run: Run<'_, S, C, N> = Run::new(simd, self.lanes, self.recording);
         let mut reached = run.first;
         while reached < run.steps && run.goes_on() {
+            if self.stop.load(Ordering::Relaxed) {
+                run.stop(reached);
+                break;
+            }
             // The last states are recorded one by one.
             let left = run.steps - reached;
             let count = if left <= LAST_STATES { 1 } else { CHUNK.min(left - LAST_STATES) };

@@ -13,6 +13,8 @@ pub(in crate::modal) enum RunEnd {
     Beyond(usize),
     /// The numbers were not finite any more at this step, at this interface.
     NotFinite(usize, usize),
+    /// The run was stopped at this step.
+    Stopped(usize),
 }
 
 /// Result of one case.
@@ -47,4 +49,11 @@ pub(in crate::modal) struct ContactOutcome {
     pub(in crate::modal) closure: f64,
     /// Viscous loss per area \[J/m2\].
     pub(in crate::modal) loss: f64,
+}
+
+impl Outcome {
+    /// True for a run that was stopped.
+    pub(in crate::modal) fn is_stopped(&self) -> bool {
+        matches!(self.end, RunEnd::Stopped(_))
+    }
 }

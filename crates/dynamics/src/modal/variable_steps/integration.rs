@@ -3,6 +3,7 @@
 use std::array;
 use std::ops::ControlFlow;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use asperity_structure::LoadCase;
 
@@ -149,17 +150,21 @@ impl<'a, const N: usize> Integration<'a, N> {
         })
     }
 
-    /// Integrates to the end; `record` sees the state at the end of each base step, and their number, and
-    /// may end the run there.
+    /// Integrates to the end, or until `stop` is set; `record` sees the state at the end of each base step, and
+    /// their number, and may end the run there.
     #[inline(always)]
     pub(super) fn run(
         &mut self,
         mut record: impl FnMut(&mut Self, usize) -> ControlFlow<()>,
+        stop: &AtomicBool,
     ) -> Result<(), DynamicsError> {
         let whole = 1_usize << MOST_HALVINGS;
         let mut level = FIRST_HALVINGS;
         let mut coefficients = self.level(level);
         for step in 0..self.control.steps {
+            if stop.load(Ordering::Relaxed) {
+                return Err(DynamicsError::Stopped { steps: self.taken });
+            }
             // Parts of the base step that have passed, in steps of the shortest length.
             let mut passed = 0;
             self.pressed += 1;

@@ -138,6 +138,6 @@ impl Midway {
             ..after
         };
         let integrated_steps = self.taken + rest.integrated_steps - self.start.step;
-        CaseResponse { contacts, energy, integrated_steps, ..rest }
+        CaseResponse { integrated_steps, contacts, energy, ..rest }
     }
 }

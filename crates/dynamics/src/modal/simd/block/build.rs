@@ -10,9 +10,8 @@ use super::coefficient::Coefficient;
 use super::pair::{LanePair, LaneVector, lane_vector, set_lane};
 use super::work::Work;
 use super::{Block, Contact, Damper, Load, Mode, Slider, WHOLE};
-use crate::modal::damped_table::RATE;
-use crate::modal::lane_start::LaneStart;
-use crate::modal::oscillator::ForceInterpolation;
+use crate::modal::damped_table::{PAST, RATE};
+use crate::modal::oscillator::{ForceInterpolation, NODES};
 use crate::modal::prepared_case::PreparedCase;
 use crate::modal::simd::table_lookup::TableRow;
 use crate::modal::step_model::ModeStep;
@@ -50,7 +49,7 @@ fn lay_out(lanes: &[&PreparedCase], interfaces: usize) -> (Vec<TableRow>, Vec<Ve
 /// has a kink where it would pull, which a longer correction may pass.
 const DAMPED_TOLERANCE: f64 = 0.02;
 
-/// The damper of interface `i` of each lane at its start; of none beyond the last interface.
+/// The damper of interface `i` of each lane, at rest; of none beyond the last interface.
 fn damper<S: Simd, C: Coefficient<S>>(
     simd: S,
     lanes: &[&PreparedCase],
@@ -61,24 +60,10 @@ fn damper<S: Simd, C: Coefficient<S>>(
     let all = |of: &dyn Fn(&PreparedCase) -> f64| {
         C::new(simd, &|at| lane(at).map_or(0.0, |case| of(case)))
     };
-    let started = |of: &dyn Fn(&PreparedCase, &LaneStart) -> f64| {
-        lane_vector(simd, |at| {
-            lane(at).and_then(|case| Some(of(case, case.start.as_deref()?))).unwrap_or(0.0)
-        })
-    };
-    let viscous = |age: usize| started(&|_, start| start.viscous[i][age]);
-    let increment = started(&|case, start| {
-        (start.closure[i][0] - start.closure[i][1]) * case.tabulated.cells_per_metre(i)
-    });
     Damper {
-        impulse: std::array::from_fn(|age| {
-            started(&|case, start| match case.tabulated.damped.get(i) {
-                Some(damped) => start.impulses(i, damped, &case.tabulated.tables[i])[age],
-                None => 0.0,
-            })
-        }),
+        impulse: [zero; PAST],
         history: zero,
-        work: LanePair(simd).work_after([viscous(0), viscous(1)], increment),
+        work: Work::none(zero),
         rate: RATE.map(|weight| all(&|case| weight / case.tabulated.step_model.step)),
         least: C::new(simd, &|at| {
             let contact = lane(at).and_then(|case| case.model.contacts().get(i));
@@ -145,18 +130,11 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
         let step = |m: usize, of: &dyn Fn(&ModeStep) -> f64| {
             all(&|lane| of(&lane.tabulated.step_model.modes[m]))
         };
-        // Of lanes that go on from a state; zero for those from rest.
-        let started = |of: &dyn Fn(&'a PreparedCase, &'a LaneStart) -> f64| {
-            lane_vector(simd, |lane| {
-                let case = lanes.get(lane).copied();
-                case.and_then(|case| Some(of(case, case.start.as_deref()?))).unwrap_or(0.0)
-            })
-        };
         let mode = |m: usize| Mode {
-            predicted: started(&|case, start| start.mode(case, m).predicted),
-            predicted_increment: started(&|case, start| start.mode(case, m).predicted_increment),
-            carry: std::array::from_fn(|k| started(&|case, start| start.mode(case, m).carry[k])),
-            increment: started(&|case, start| start.mode(case, m).increment),
+            predicted: zero,
+            predicted_increment: zero,
+            carry: [zero; NODES - 1],
+            increment: zero,
             decay: step(m, &|mode| mode.recurrence.decay),
             spring: step(m, &|mode| -mode.recurrence.spring),
             contact: std::array::from_fn(|k| step(m, &|mode| -mode.recurrence.contact[k])),
@@ -184,7 +162,7 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
         let contact = |i: usize| {
             let start = |lane: usize| starts.get(i).and_then(|s| s.get(lane)).copied();
             Contact {
-                predicted: started(&|case, start| start.predicted_closure(case, i)),
+                predicted: zero,
                 stiffness: zero,
                 coupling: std::array::from_fn(|j| {
                     let entry = |lane: &PreparedCase| {
@@ -233,14 +211,11 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
                 lane.tabulated.step_model.residual.sensors_per_load[lane.sensor]
             }),
             load_port: all(&|lane| lane.tabulated.step_model.residual.load_port),
-            load_before: [
-                started(&|case, start| case.amplitude * start.load_before(&case.load.mean)),
-                started(&|case, start| case.amplitude * start.load_before(&case.load.rise)),
-            ],
-            reading: started(&|_, start| start.readings.last().copied().unwrap_or(0.0)),
-            load_displacement: started(&|_, start| start.load_port),
+            load_before: [zero; 2],
+            reading: zero,
+            load_displacement: zero,
             work: zero,
-            loss: started(&|case, start| start.first_loss(case)),
+            loss: zero,
             lanes: (0..2 * S::F64_LANES).map(|lane| lanes.get(lane).copied()).collect(),
         }
     }

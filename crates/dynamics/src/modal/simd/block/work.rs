@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::pair::{LanePair, LaneVector, lane_of};
+use super::pair::{LanePair, LaneVector, lane_of, set_lane};
 
 /// The work of a traction along a closure known at steps, `integral of t dx`: the mean of both ends
 /// times the increment of x, plus a sixth of the increment of t times the change of the increment of
@@ -26,20 +26,6 @@ impl<V: Copy> Work<V> {
 }
 
 impl<S: Simd> LanePair<S> {
-    /// No work yet, after tractions at the last two steps, newest first, and the last increment of the
-    /// closure.
-    pub(in crate::modal) fn work_after(
-        self,
-        [traction, before]: [LaneVector<S>; 2],
-        closure_increment: LaneVector<S>,
-    ) -> Work<LaneVector<S>> {
-        let traction_increment = self.sub(traction, before);
-        // Summing by parts leaves this at the start.
-        let product = self.mul(traction_increment, closure_increment);
-        let sum = self.mul(self.splat(1.0 / 12.0), product);
-        Work { traction, traction_increment, closure_increment, sum }
-    }
-
     /// Adds a step that ends with `traction` \[Pa\] after an `increment` of the closure, in cells.
     #[inline(always)]
     pub(in crate::modal) fn add_work(
@@ -58,6 +44,21 @@ impl<S: Simd> LanePair<S> {
         work.traction_increment = traction_increment;
         work.closure_increment = increment;
     }
+}
+
+/// No work in a lane yet, after a step that ended with `traction` and had these increments of traction and
+/// closure.
+pub(in crate::modal) fn start_work<S: Simd>(
+    work: &mut Work<LaneVector<S>>,
+    lane: usize,
+    traction: f64,
+    [traction_increment, closure_increment]: [f64; 2],
+) {
+    set_lane::<S>(&mut work.traction, lane, traction);
+    set_lane::<S>(&mut work.traction_increment, lane, traction_increment);
+    set_lane::<S>(&mut work.closure_increment, lane, closure_increment);
+    // Summing by parts leaves this at the start.
+    set_lane::<S>(&mut work.sum, lane, traction_increment * closure_increment / 12.0);
 }
 
 /// The whole work in a lane \[Pa cells\].

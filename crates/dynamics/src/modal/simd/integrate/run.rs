@@ -76,7 +76,8 @@ fn past_steps<S: TableLookup, const N: usize>(
 impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
     #[inline(always)]
     pub(super) fn new(simd: S, lanes: &[&'a PreparedCase], recording: Recording<'_>) -> Self {
-        let block = Block::new(simd, lanes);
+        let mut block = Block::new(simd, lanes);
+        block.start();
         let steps = lanes.first().map_or(0, |lane| lane.integrated());
         let all_steps = lanes.first().map_or(0, |lane| lane.steps);
         let zero = LanePair(simd).splat(0.0);
@@ -125,6 +126,13 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
 
     pub(super) fn goes_on(&self) -> bool {
         self.ends.contains(&RunEnd::Done)
+    }
+
+    /// Ends the lanes that are not done at step `reached`.
+    pub(super) fn stop(&mut self, reached: usize) {
+        for end in self.ends.iter_mut().filter(|end| **end == RunEnd::Done) {
+            *end = RunEnd::Stopped(reached);
+        }
     }
 
     /// Takes the `count` steps after step `reached`.
