@@ -171,11 +171,12 @@ impl ReducedBody {
                     ..NormalMode::elastic(frequency, participations)
                 });
             }
-            let highest = body.angular_frequencies.last().copied().unwrap_or_default();
-            if retardation_time > 0.0 && highest > 0.0 {
+            if retardation_time > 0.0 {
                 let own = places.len();
                 let matrix = Mat::from_fn(own, own, |a, b| body.residual.get(a, b));
-                modes.extend(massless_modes(&matrix, (places, ports), highest, retardation_time));
+                let highest = body.angular_frequencies.last().filter(|highest| **highest > 0.0);
+                let w = highest.copied().unwrap_or(1.0 / retardation_time);
+                modes.extend(massless_modes(&matrix, (places, ports), w, retardation_time));
                 continue;
             }
             for (i, &a) in places.iter().enumerate() {

@@ -46,8 +46,8 @@ impl ReductionKey {
         };
         let cells: Vec<_> = interfaces
             .iter()
-            .map(|PatchSpec { body, cells, array, above, below, split, along, .. }| {
-                json!([body, cells, array, above, below, split, along])
+            .map(|PatchSpec { body, cells, array, above, below, split, along, area_m2, .. }| {
+                json!([body, cells, array, above, below, split, along, area_m2.is_some()])
             })
             .collect();
         let places: Vec<_> = scenario.sensors.iter().map(|sensor| &sensor.at).collect();

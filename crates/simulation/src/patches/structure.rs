@@ -5,11 +5,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::{Integrator, Sampling};
 use asperity_mesh::{ComponentModes, Port, PortPattern, ReducedBody};
-use asperity_scenario::{Along, DampingSpec, SensorSpec, StructureScenario};
+use asperity_scenario::{Along, DampingSpec, SensorSpec, StructureBodySpec, StructureScenario};
 use asperity_structure::{PreloadedContact, PreloadedStructure, StructureError, contacts_at_rest};
+use faer::Mat;
 use tracing::info_span;
 
-use super::body::{Body, unit};
+use super::bar::{axis, dot};
+use super::body::unit;
 use super::kept_reduction::{self, BodyShapes, FOLDER, ReductionKey};
 use super::ports::{Patch, PortMap, Ports, base_direction};
 use crate::assemble::{Assembly, DEFAULT_ACCURACY, Interfaces, Sensor, load_case_at};
@@ -159,7 +161,7 @@ impl ReducedStructure {
             name: Some(spec.name.clone()),
             port: Port::Number(port),
             kind: spec.kind,
-            base_share: direction.map_or(0.0, |direction| share(spec, direction)),
+            base_share: direction.map_or(0.0, |direction| share(scenario, spec, direction)),
         };
         Ok(Assembly {
             load: load_case_at(&scenario.excitation, Port::Number(structure.load), folder)?,
@@ -230,18 +232,28 @@ pub(super) fn reduced<'a>(
 ) -> Result<(Ports<'a>, Vec<ReducedBody>, Vec<BodyShapes>), SimulationError> {
     let read = info_span!("read matrices");
     let ports = read.in_scope(|| Ports::read(scenario, folder, true))?;
-    let reduce = |(number, body): (usize, &Body)| {
+    let reduce = |(number, spec): (usize, &StructureBodySpec)| {
         let own = ports.of(number).into_iter();
         let patterns: Vec<PortPattern> = own.map(|port| ports.pattern(port, number)).collect();
+        let modes = spec.reduction.modes;
+        if let Some(bar) = &ports.bars[number] {
+            let reduced = bar.reduced(&patterns, modes)?;
+            let shapes = Mat::zeros(0, reduced.angular_frequencies.len());
+            return Ok((reduced, BodyShapes { dofs: Vec::new(), shapes }));
+        }
+        let Some(body) = &ports.bodies[number] else {
+            let place = format!("/bodies/{number}");
+            return Err(SimulationError::model(&place, "the body is missing", "\"matrices\""));
+        };
         let dofs = body.matrices.dofs().to_vec();
         let body = body.sparse(ports.decks[number].as_ref())?;
-        let modes = scenario.bodies[number].reduction.modes;
         let (reduced, shapes) =
             ReducedBody::with_shapes(&body, &patterns, modes).map_err(StructureError::from)?;
-        Ok::<_, SimulationError>((reduced, BodyShapes { dofs, shapes }))
+        Ok((reduced, BodyShapes { dofs, shapes }))
     };
     let (made, shapes): (Vec<_>, Vec<_>) = info_span!("reduce").in_scope(|| {
-        let all = ports.bodies.iter().enumerate().map(reduce).collect::<Result<Vec<_>, _>>()?;
+        let all = scenario.bodies.iter().enumerate().map(reduce);
+        let all = all.collect::<Result<Vec<_>, SimulationError>>()?;
         Ok::<_, SimulationError>(all.into_iter().unzip())
     })?;
     kept_reduction::keep(folder, key, &made);
@@ -261,11 +273,14 @@ fn whole(
 }
 
 /// Cosine of the angle between the direction of a sensor and one of unit length.
-fn share(sensor: &SensorSpec, direction: [f64; 3]) -> f64 {
-    match sensor.at.as_ref().map(|at| &at.along) {
-        Some(Along::Node { direction: own, .. }) => {
-            unit(*own).map_or(0.0, |own| own.iter().zip(direction).map(|(a, b)| a * b).sum())
+fn share(scenario: &StructureScenario, sensor: &SensorSpec, direction: [f64; 3]) -> f64 {
+    let Some(at) = &sensor.at else { return 0.0 };
+    let own = match at.along {
+        Along::Node { direction, .. } => unit(direction),
+        Along::End(_) | Along::PositionM(_) => {
+            scenario.bodies.iter().find(|body| body.name == at.body).and_then(axis)
         }
-        _ => 0.0,
-    }
+        Along::Response(_) => None,
+    };
+    own.map_or(0.0, |own| dot(own, direction))
 }
