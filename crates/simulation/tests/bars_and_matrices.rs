@@ -105,14 +105,21 @@ fn stack() -> Value {
         json!({"name": name, "length_m": length, "area_m2": area, "youngs_modulus_pa": modulus,
                "density_kg_per_m3": density})
     };
-    let interface = |name: &str| json!({"name": name, "area_m2": 1e-4, "law": "rough"});
+    let [middle, foot] = dampings();
+    let interface = |name: &str, damping: &Value| json!({"name": name, "area_m2": 1e-4, "law": "rough", "damping": damping});
     common(json!({
         "bodies": [body("upper", UPPER), body("lower", LOWER)],
         "gravity_m_per_s2": 9.81,
-        "interfaces": [interface("middle"), interface("foot")],
+        "interfaces": [interface("middle", &middle), interface("foot", &foot)],
         "sensors": [{"name": "top", "at": {"body": "upper", "end": "upper"}, "kind": "displacement"},
                     {"name": "middle", "at": {"body": "lower", "end": "upper"}, "kind": "displacement"}],
     }))
+}
+
+/// Damping of the interfaces.
+fn dampings() -> [Value; 2] {
+    let power = json!({"kind": "power", "coefficient_pa_s_per_m": 4e6, "reference_pa": 1e5, "exponent": 0.7});
+    [json!({"kind": "kelvin_voigt", "time_s": 6e-6}), power]
 }
 
 /// One body as a bar, the other as matrices.
@@ -154,6 +161,9 @@ fn mixed(lower_is_bar: bool) -> Value {
                     {"name": "middle", "at": middle, "kind": "displacement"}],
     }));
     scenario["excitation"]["at"] = top;
+    for (number, damping) in dampings().into_iter().enumerate() {
+        scenario["interfaces"][number]["damping"] = damping;
+    }
     scenario
 }
 
@@ -211,6 +221,8 @@ fn rest_and_modes_are_those_of_the_stack_of_bars() {
                 close(found.stiffness_pa_per_m, bars.stiffness_pa_per_m, 1e-12);
             }
             let modes = patch_modes(&assembly, 3).unwrap().modes;
+            // Of the bodies and of both contacts.
+            close(modes[0].damping_ratio, exact[0].damping_ratio, 1e-5);
             let off = |k: usize| modes[k].frequency_hz / exact[k].frequency_hz - 1.0;
             errors.push([off(0), off(1), off(2)]);
         }
