@@ -68,7 +68,7 @@ pub use asperity_structure::{
 };
 pub use body::{BodySpec, SectionSpec};
 pub use diagnostic::{Diagnostic, InvalidDocument, MAX_FAULTS};
-pub use document::{Document, DocumentError, MAX_DOCUMENT_BYTES};
+pub use document::{Document, DocumentError, MAX_DOCUMENT_BYTES, with_absolute_files};
 pub use fault::{Bound, Fault};
 pub use input_file::{InputError, open_input, read_text};
 pub use load_samples::{LoadSamples, MAX_SAMPLE_BYTES, SamplesError};

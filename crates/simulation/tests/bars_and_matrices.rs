@@ -7,7 +7,9 @@ use std::path::Path;
 
 use asperity_scenario::Document;
 use asperity_simulation::modes::linearised_modes;
-use asperity_simulation::patches::{PatchRun, assemble_patches, patch_modes, simulate_patches};
+use asperity_simulation::patches::{
+    PatchRun, assemble_patches, mesh_modes, patch_modes, simulate_patches,
+};
 use asperity_simulation::prepared_scenario::PreparedScenario;
 use asperity_simulation::quantity::Quantity;
 use asperity_simulation::run::simulate;
@@ -385,6 +387,36 @@ fn an_end_of_a_bar_meets_a_surface() {
     }
     close(lowest[1], lowest[0], 1e-10);
     close(lowest[2], lowest[0], 1e-10);
+
+    // The twelve edges of the cube as a trace line for modal programs, and the displacement at rest on its top.
+    let own = document(&bar_on_cube(&cells), folder.path());
+    let scenario = own.structure_scenario().unwrap();
+    let assembly = assemble_patches(&scenario, folder.path()).unwrap();
+    let modes = patch_modes(&assembly, 2).unwrap();
+    let meshes = mesh_modes(&scenario, &assembly.structure, &modes, folder.path()).unwrap();
+    let text = meshes[0].universal_file();
+    let set = text.split("    -1\n").find(|set| set.starts_with("    82\n")).unwrap();
+    let lines: Vec<&str> = set.lines().collect();
+    assert_eq!(lines[1], format!("{:>10}{:>10}{:>10}", 1, 36, 8));
+    assert_eq!(lines[2], "cube");
+    assert!(lines[3..].iter().all(|line| line.len() <= 80));
+    let nodes: Vec<i64> = lines[3..]
+        .iter()
+        .flat_map(|line| line.split_whitespace())
+        .map(|n| n.parse().unwrap())
+        .collect();
+    let edges: Vec<[i64; 2]> = nodes.chunks(3).map(|three| [three[0], three[1]]).collect();
+    assert!(nodes.chunks(3).all(|three| three[2] == 0));
+    let along = [[1, 2], [2, 3], [3, 4], [1, 4]];
+    let expected = along.iter().copied().chain(along.map(|edge| edge.map(|n| n + 4)));
+    let expected = expected.chain((1..=4).map(|n| [n, n + 4]));
+    assert_eq!(edges.len(), 12);
+    for edge in expected {
+        assert!(edges.contains(&edge), "{edge:?}");
+    }
+    let [top, foot] = [5, 1].map(|node| meshes[0].at_rest(node).unwrap()[2]);
+    // Four springs of 1e9 N/m carry the force on the top and half of the weight of the cube.
+    close(foot - top, (force + 0.4 * 9.81) / 4e9, 1e-6);
 }
 
 /// Places that a bar does not have are named, with what is accepted.

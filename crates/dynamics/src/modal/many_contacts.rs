@@ -21,6 +21,7 @@
 //! R grows with x, so that the equations keep one solution. The mean of tractions of both ends acts on modes in a step: a linear
 //! damper on a mass and a spring is stable at any step, as the roots of its difference equation show.
 
+mod contact_factor;
 mod contact_forces;
 mod run_parts;
 
@@ -29,14 +30,14 @@ use std::sync::Arc;
 
 use asperity_mesh::ComponentModes;
 use asperity_structure::{LoadCase, PreloadedContact, PreloadedStructure};
-use faer::linalg::solvers::{Llt, Solve};
-use faer::{Mat, Side};
+use faer::Mat;
 
 use super::oscillator::{Dynamics, Propagator};
 use crate::contact_energy::excess;
 use crate::error::{balanced, check_modal_damping};
 use crate::run_bounds::check_many_contacts;
 use crate::{ContactExtremes, DynamicsError, EnergyLedger, History, Sampling, Transient};
+use contact_factor::{Work, times};
 use contact_forces::ContactForces;
 use run_parts::{Extremes, Residual};
 
@@ -53,11 +54,6 @@ const LEAST: f64 = 1e-4;
 
 /// Roundings of a viscous force that are no residual: impulses grow to some times their size at rest.
 const ROUNDINGS: f64 = 100.0 * f64::EPSILON;
-
-/// Relative change of a stiffness up to which a factor is used again, and contacts from which on it is
-/// worth it.
-const SAME: f64 = 0.2;
-const WORTH_KEEPING: usize = 48;
 
 /// A structure in component modes with many contacts, under a load at one port, read at others.
 ///
@@ -231,6 +227,10 @@ struct Run<'a> {
     /// Closures from rest, at the end and at the end before, and force increments \[N\].
     closures: Vec<f64>,
     before: Vec<f64>,
+    /// Parts of a step without contact.
+    shares: Vec<f64>,
+    /// Memory of closures.
+    earlier: Vec<f64>,
     forces: Vec<f64>,
     /// Force increments by laws alone \[N\].
     law_forces: Vec<f64>,
@@ -241,20 +241,16 @@ struct Run<'a> {
     impulses: [Vec<f64>; 2],
     viscous: Vec<f64>,
     load_value: f64,
-    kept: Option<KeptFactor>,
+    work: Work,
+    /// Displacements and velocities of the modes without forces at the new end.
+    drift: Vec<[f64; 2]>,
+    free: Vec<f64>,
     largest: f64,
     /// Closures by the rounding of viscous forces \[m\].
     noise: f64,
     extremes: Vec<Extremes>,
     group_extremes: Vec<Extremes>,
     ledger: EnergyLedger,
-}
-
-/// A factor of the contact equations, the contacts that it is of and their stiffnesses \[N/m\].
-struct KeptFactor {
-    closed: Vec<usize>,
-    stiffness: Vec<f64>,
-    factor: Llt<f64>,
 }
 
 impl<'a> Run<'a> {
@@ -326,6 +322,8 @@ impl<'a> Run<'a> {
             modal_force,
             closures: vec![0.0; n],
             before: vec![0.0; n],
+            earlier: vec![0.0; n],
+            shares: vec![0.0; n],
             forces: vec![0.0; n],
             law_forces: vec![0.0; n],
             stiffness: contacts.iter().map(PreloadedContact::spring).collect(),
@@ -337,7 +335,9 @@ impl<'a> Run<'a> {
             flexibility,
             flexibility_load,
             load_value,
-            kept: None,
+            work: Work::new(n),
+            drift: Vec::new(),
+            free: vec![0.0; n],
             largest,
             noise,
             extremes,
@@ -372,8 +372,11 @@ impl<'a> Run<'a> {
     /// Advances by one step, to `time` \[s\].
     fn advance(&mut self, time: f64) -> Result<(), DynamicsError> {
         let load = self.load.value(time);
-        let mut free: Vec<f64> = self.flexibility_load.iter().map(|g| g * load).collect();
-        let mut drift = Vec::with_capacity(self.modes.len());
+        let mut free = std::mem::take(&mut self.free);
+        for (value, g) in free.iter_mut().zip(&self.flexibility_load) {
+            *value = g * load;
+        }
+        self.drift.clear();
         for (m, mode) in self.modes.iter().enumerate() {
             let z = [self.displacement[m], self.velocity[m]];
             let moved = |row: [f64; 2], k: usize| {
@@ -383,13 +386,15 @@ impl<'a> Run<'a> {
             for (value, closure) in free.iter_mut().zip(&mode.closures) {
                 *value += closure * next[0];
             }
-            drift.push(next);
+            self.drift.push(next);
         }
         let before = self.load_displacement();
-        let old_closures = self.closures.clone();
+        let mut old_closures = std::mem::take(&mut self.earlier);
+        old_closures.copy_from_slice(&self.closures);
         let flexibility = std::mem::replace(&mut self.flexibility, Mat::zeros(0, 0));
         let solved = self.solve(&free, &flexibility, (time, 1.0 / self.step));
         self.flexibility = flexibility;
+        self.free = free;
         solved?;
         let mut loss = 0.0;
         for (m, mode) in self.modes.iter().enumerate() {
@@ -397,7 +402,8 @@ impl<'a> Run<'a> {
             let force = mode.load * load - along;
             let rate = mode.dynamics.rate;
             let old = [self.displacement[m], self.velocity[m]];
-            let new = [drift[m][0] + mode.new[0] * force, drift[m][1] + mode.new[1] * force];
+            let new =
+                [self.drift[m][0] + mode.new[0] * force, self.drift[m][1] + mode.new[1] * force];
             loss += if mode.dynamics.massless {
                 rate * (new[0] - old[0]).powi(2) / self.step
             } else {
@@ -426,7 +432,7 @@ impl<'a> Run<'a> {
         self.ledger.input += mean_load * (self.load_displacement() - before);
         self.ledger.dissipated += loss;
         self.observe(&old_closures);
-        self.before = old_closures;
+        self.earlier = std::mem::replace(&mut self.before, old_closures);
         Ok(())
     }
 
@@ -438,55 +444,61 @@ impl<'a> Run<'a> {
         flexibility: &Mat<f64>,
         (time, rate): (f64, f64),
     ) -> Result<(), DynamicsError> {
-        let n = free.len();
+        let mut work = std::mem::take(&mut self.work);
+        let is_solved = self.newton(free, flexibility, rate, &mut work);
+        if is_solved {
+            self.closures.copy_from_slice(&work.place);
+        }
+        self.work = work;
+        if is_solved { Ok(()) } else { Err(self.unstable(time)) }
+    }
+
+    /// Newton steps to the closures of `work`; false if they do not end.
+    fn newton(&mut self, free: &[f64], flexibility: &Mat<f64>, rate: f64, work: &mut Work) -> bool {
         let (forces, contacts) = (&self.system.forces, self.system.structure.contacts());
-        let mut x: Vec<f64> = self
-            .closures
-            .iter()
-            .zip(&self.before)
-            .map(|(now, before)| 2.0 * now - before)
-            .collect();
+        let Work { factor, place, from, change, rest, carried, increments, room } = work;
+        for ((x, now), before) in place.iter_mut().zip(&self.closures).zip(&self.before) {
+            *x = 2.0 * now - before;
+        }
         let mut merit = f64::INFINITY;
-        let mut last: Option<(Vec<f64>, Vec<f64>)> = None;
         for _ in 0..MOST_ITERATIONS {
-            forces.evaluate(contacts, &x, &mut self.law_forces, &mut self.law_stiffness);
+            forces.evaluate(contacts, place, &mut self.law_forces, &mut self.law_stiffness);
             self.add_dampers(rate);
-            let carried = flexibility * column(&self.forces);
-            let rest: Vec<f64> = (0..n).map(|i| free[i] - x[i] - carried[(i, 0)]).collect();
-            let size = rest.iter().fold(0.0, |most: f64, r| most.max(r.abs()));
-            self.largest = x.iter().fold(self.largest, |most, value| most.max(value.abs()));
+            times(flexibility, &self.forces, carried);
+            let mut size = 0.0_f64;
+            for (i, value) in rest.iter_mut().enumerate() {
+                *value = free[i] - place[i] - carried[i];
+                // A residual that is no number counts.
+                size = if value.abs() <= size { size } else { value.abs() };
+            }
+            self.largest = place.iter().fold(self.largest, |most, value| most.max(value.abs()));
             if size <= (SOLVED * self.largest).max(self.noise) {
-                self.closures = x;
-                return Ok(());
+                return true;
             }
             if !size.is_finite() {
-                break;
+                return false;
             }
             // A step that makes the residual much larger is halved.
-            if size > 2.0 * merit
-                && let Some((from, step)) = &mut last
-            {
-                for value in step.iter_mut() {
-                    *value *= 0.5;
+            if size > 2.0 * merit {
+                for ((x, start), step) in place.iter_mut().zip(&*from).zip(change.iter_mut()) {
+                    *step *= 0.5;
+                    *x = start + *step;
                 }
-                x = from.iter().zip(&*step).map(|(a, b)| a + b).collect();
                 continue;
             }
             merit = size;
-            let closed: Vec<usize> = (0..n).filter(|&i| self.stiffness[i] > 0.0).collect();
-            let right = Mat::from_fn(closed.len(), 1, |i, _| rest[closed[i]]);
-            let Some(factor) = self.factor(closed, flexibility) else { break };
-            let increments = factor.factor.solve(&right);
-            let mut change = vec![0.0; n];
-            for (k, &i) in factor.closed.iter().enumerate() {
-                change[i] = increments[(k, 0)];
+            if !factor.update(&self.stiffness, flexibility) {
+                return false;
             }
-            let carried = flexibility * column(&change);
-            let step: Vec<f64> = (0..n).map(|i| rest[i] - carried[(i, 0)]).collect();
-            let next = x.iter().zip(&step).map(|(a, b)| a + b).collect();
-            last = Some((std::mem::replace(&mut x, next), step));
+            factor.solve(rest, increments, room);
+            times(flexibility, increments, carried);
+            from.copy_from_slice(place);
+            for (i, x) in place.iter_mut().enumerate() {
+                change[i] = rest[i] - carried[i];
+                *x += change[i];
+            }
         }
-        Err(self.unstable(time))
+        false
     }
 
     /// Forces and stiffnesses of contacts from those of their laws.
@@ -511,26 +523,6 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The factor of `1 / k + G` for the `closed` contacts: the kept one if it is close enough.
-    fn factor(&mut self, closed: Vec<usize>, flexibility: &Mat<f64>) -> Option<&KeptFactor> {
-        let same = |kept: &KeptFactor| {
-            let pairs = closed.iter().zip(&kept.stiffness);
-            kept.closed == closed
-                && closed.len() >= WORTH_KEEPING
-                && pairs.into_iter().all(|(&i, old)| (self.stiffness[i] - old).abs() <= SAME * old)
-        };
-        if !self.kept.as_ref().is_some_and(same) {
-            let matrix = Mat::from_fn(closed.len(), closed.len(), |a, b| {
-                let (i, j) = (closed[a], closed[b]);
-                flexibility[(i, j)] + if i == j { 1.0 / self.stiffness[i] } else { 0.0 }
-            });
-            let factor = matrix.llt(Side::Lower).ok()?;
-            let stiffness = closed.iter().map(|&i| self.stiffness[i]).collect();
-            self.kept = Some(KeptFactor { closed, stiffness, factor });
-        }
-        self.kept.as_ref()
-    }
-
     fn unstable(&self, time_s: f64) -> DynamicsError {
         let contacts = self.system.structure.contacts().iter().zip(&self.closures);
         let worst = contacts.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
@@ -542,7 +534,8 @@ impl<'a> Run<'a> {
     /// crosses first contact.
     fn observe(&mut self, before: &[f64]) {
         let contacts = self.system.structure.contacts();
-        let mut shares = vec![0.0; contacts.len()];
+        let mut shares = std::mem::take(&mut self.shares);
+        shares.fill(0.0);
         for (i, contact) in contacts.iter().enumerate() {
             let pressure = contact.pressure() + self.law_forces[i] / contact.area();
             let one = &mut self.extremes[i];
@@ -568,6 +561,7 @@ impl<'a> Run<'a> {
             one.stiffness_sum += stiffness;
             one.lost += self.step * shares[group.clone()].iter().copied().fold(1.0, f64::min);
         }
+        self.shares = shares;
     }
 
     /// Pressure, closure and stiffness of a group, means over its area.

@@ -197,9 +197,9 @@ fn a_bar_reduces_to_its_modes_in_a_stack() {
                     weights.iter().zip(of).map(|(weight, phi)| weight * phi).sum()
                 };
                 let mut sum = [0.0; 2];
-                for i in 0..a.len() {
-                    sum[0] +=
-                        (0..b.len()).map(|j| a[i] * b[j] * modes.residual().get(i, j)).sum::<f64>();
+                for (i, x) in a.iter().enumerate() {
+                    let row = b.iter().enumerate();
+                    sum[0] += row.map(|(j, y)| x * y * modes.residual().get(i, j)).sum::<f64>();
                 }
                 for mode in modes.modes() {
                     let inertia = if mode.massless { 0.0 } else { w * w };

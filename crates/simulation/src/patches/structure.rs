@@ -4,9 +4,11 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::{Integrator, Sampling};
-use asperity_mesh::{ComponentModes, Port, PortPattern, ReducedBody};
+use asperity_mesh::{ComponentModes, Port, PortPattern, ReducedBody, RowShapes};
 use asperity_scenario::{Along, DampingSpec, SensorSpec, StructureBodySpec, StructureScenario};
-use asperity_structure::{PreloadedContact, PreloadedStructure, StructureError, contacts_at_rest};
+use asperity_structure::{
+    PreloadedContact, PreloadedStructure, StaticState, StructureError, static_state,
+};
 use faer::Mat;
 use tracing::info_span;
 
@@ -35,6 +37,18 @@ pub struct PatchStructure {
     pub modes_per_body: Vec<usize>,
     /// Number of motions without stiffness before contact, of each body.
     pub rigid_motions: Vec<usize>,
+    /// Static displacement of each sensor by all loads \[m\].
+    pub static_displacements: Vec<f64>,
+    pub(super) static_motion: StaticMotion,
+    /// Ports of each body.
+    pub(super) own_ports: Vec<Vec<usize>>,
+}
+
+/// The rest as a motion: displacements of the modes kept \[m kg^1/2\], and forces at all ports \[N\].
+#[derive(Debug, Clone)]
+pub(super) struct StaticMotion {
+    pub(super) coordinates: Vec<f64>,
+    pub(super) port_forces: Vec<f64>,
 }
 
 impl Interfaces for PatchStructure {
@@ -141,8 +155,13 @@ impl ReducedStructure {
             bodies.iter().zip(own).map(|(body, own)| (body, own.as_slice())).collect();
         let modes = ReducedBody::joined(&joined, count, time, ports.pairs.clone());
         let modes = modes.map_err(StructureError::from)?;
-        let contacts =
-            contacts_at_rest(&modes, &ports.contacts(scenario)?, &ports.loads(scenario))?;
+        let state = static_state(&modes, &ports.contacts(scenario)?, &ports.loads(scenario))?;
+        let displacement = |&port: &usize| state.displacement(&modes, port);
+        let static_displacements = ports.sensors.iter().map(displacement).collect();
+        let StaticState { contacts, coordinates, port_forces } = state;
+        let inert = modes.modes().iter().zip(coordinates).filter(|(mode, _)| !mode.massless);
+        let static_motion =
+            StaticMotion { coordinates: inert.map(|(_, q)| q).collect(), port_forces };
         let modes_per_body = bodies.iter().map(|body| body.angular_frequencies.len()).collect();
         let rigid_motions = bodies.iter().map(ReducedBody::rigid_count).collect();
         let structure = PreloadedStructure::of_components(modes, contacts, damping)?;
@@ -155,6 +174,9 @@ impl ReducedStructure {
             sensors: ports.sensors.clone(),
             modes_per_body,
             rigid_motions,
+            static_displacements,
+            static_motion,
+            own_ports: own.clone(),
         };
         let direction = base_direction(scenario)?;
         let named = |(spec, &port): (&SensorSpec, &usize)| Sensor {
@@ -238,8 +260,10 @@ pub(super) fn reduced<'a>(
         let modes = spec.reduction.modes;
         if let Some(bar) = &ports.bars[number] {
             let reduced = bar.reduced(&patterns, modes)?;
-            let shapes = Mat::zeros(0, reduced.angular_frequencies.len());
-            return Ok((reduced, BodyShapes { dofs: Vec::new(), shapes }));
+            let modes = Mat::zeros(0, reduced.angular_frequencies.len());
+            let flexible = Mat::zeros(0, patterns.len());
+            let shapes = BodyShapes::new(Vec::new(), RowShapes { modes, flexible });
+            return Ok((reduced, shapes));
         }
         let Some(body) = &ports.bodies[number] else {
             let place = format!("/bodies/{number}");
@@ -249,7 +273,7 @@ pub(super) fn reduced<'a>(
         let body = body.sparse(ports.decks[number].as_ref())?;
         let (reduced, shapes) =
             ReducedBody::with_shapes(&body, &patterns, modes).map_err(StructureError::from)?;
-        Ok((reduced, BodyShapes { dofs, shapes }))
+        Ok((reduced, BodyShapes::new(dofs, shapes)))
     };
     let (made, shapes): (Vec<_>, Vec<_>) = info_span!("reduce").in_scope(|| {
         let all = scenario.bodies.iter().enumerate().map(reduce);
