@@ -14,7 +14,7 @@ mod keyword;
 mod parser;
 mod sets;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
 
 use crate::text::Content;
@@ -139,7 +139,22 @@ impl Deck {
     /// Those of [`Self::node_set`].
     pub fn faces_on(&self, name: &str) -> Result<Vec<SurfaceFace>, MatricesError> {
         let set = self.node_set(name)?;
-        let within = |node: &i64| set.binary_search(node).is_ok();
+        Ok(self.free_faces(|node| set.binary_search(node).is_ok()))
+    }
+
+    /// Edges of the free faces of solid elements between corners, each once, ascending.
+    pub fn free_edges(&self) -> Vec<[i64; 2]> {
+        let faces = self.free_faces(|_| true);
+        let edges = faces.iter().flat_map(|face| {
+            let corners = face.corners();
+            let next = corners.iter().cycle().skip(1);
+            corners.iter().zip(next).map(|(&a, &b)| [a.min(b), a.max(b)])
+        });
+        edges.collect::<BTreeSet<_>>().into_iter().collect()
+    }
+
+    /// Free faces all nodes of which are `within`, in the order of the elements.
+    fn free_faces(&self, within: impl Fn(&i64) -> bool) -> Vec<SurfaceFace> {
         let mut faces = Vec::new();
         // Faces by their corners: two elements share a face inside the mesh.
         let mut seen: HashMap<Vec<i64>, usize> = HashMap::new();
@@ -147,7 +162,7 @@ impl Deck {
             for face in 1..=kind.faces() {
                 let Some(positions) = kind.face(face) else { continue };
                 let nodes: Vec<i64> = positions.iter().map(|position| nodes[*position]).collect();
-                if nodes.iter().all(within) {
+                if nodes.iter().all(&within) {
                     let face = SurfaceFace { element: *number, face: face as u8, nodes };
                     let mut corners = face.corners().to_vec();
                     corners.sort_unstable();
@@ -157,7 +172,7 @@ impl Deck {
             }
         }
         let free = faces.into_iter().filter(|(_, corners)| seen[corners] == 1);
-        Ok(free.map(|(face, _)| face).collect())
+        free.map(|(face, _)| face).collect()
     }
 
     /// Names of the node sets.

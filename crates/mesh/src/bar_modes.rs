@@ -6,9 +6,10 @@ use faer::Mat;
 
 use crate::component_modes::massless_modes;
 use crate::mode_count::{checked_count, first_frequency};
+use crate::reduction::PortPattern;
 use crate::{
-    Body, ComponentModes, MeshError, ModeCount, NormalMode, Port, PortPair, ResidualFlexibility,
-    Stack, Support,
+    Body, ComponentModes, MeshError, ModeCount, NormalMode, Port, PortPair, ReducedBody,
+    ResidualFlexibility, Stack, Support,
 };
 
 impl ComponentModes {
@@ -101,6 +102,85 @@ impl ComponentModes {
     }
 }
 
+impl ReducedBody {
+    /// A bar in its `modes` lowest free-free modes, the rigid one included, with the flexibility of all others, both in
+    /// closed form as [`ComponentModes::of_stack`] states them, to be [joined](Self::joined) with other bodies.
+    ///
+    /// `places` of the bar, as of body 0, are what `ports` weigh: points, and its mean for a force spread by its
+    /// mass. Internal damping and friction of `body` do not count.
+    ///
+    /// ```
+    /// use asperity_mesh::{Body, Port, ReducedBody};
+    ///
+    /// let bar = Body::new("bar", 0.5, 1e-4, 200e9, 7800.0)?;
+    /// let ends = [0.0, 0.5].map(|position| Port::Point { body: 0, position });
+    /// let elongation = vec![(1, 1.0), (0, -1.0)];
+    /// let reduced = ReducedBody::of_bar(&bar, &ends, &[elongation], 1)?;
+    /// // Forces at both ends stretch the bar by L / (E A) each.
+    /// assert!((reduced.residual.get(0, 0) * 200e9 * 1e-4 / 0.5 - 1.0).abs() < 1e-12);
+    /// # Ok::<(), asperity_mesh::MeshError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`MeshError::ModeCount`] for no modes or too many; [`MeshError::Port`] for a position that is not on the bar;
+    /// [`MeshError::DegreeOfFreedom`] for a port at a place that does not exist.
+    pub fn of_bar(
+        body: &Body,
+        places: &[Port],
+        ports: &[PortPattern],
+        modes: usize,
+    ) -> Result<Self, MeshError> {
+        let modes = checked_count(body, modes)?;
+        let size = places.len();
+        if let Some(&(dof, _)) = ports.iter().flatten().find(|(dof, _)| *dof >= size) {
+            return Err(MeshError::DegreeOfFreedom { dof, size });
+        }
+        for &place in places {
+            if let Port::Point { position, .. } = place
+                && !(0.0..=body.length()).contains(&position)
+            {
+                let (quantity, most) = ("position [m]", body.length());
+                return Err(MeshError::Port { quantity, value: position, most });
+            }
+        }
+        let bar = Bar { index: 0, body };
+        let first = first_frequency(body);
+        let participation = |n: usize, pattern: &PortPattern| -> f64 {
+            pattern
+                .iter()
+                .map(|&(place, weight)| weight * bar.participation(places[place], n))
+                .sum()
+        };
+        let participations: Vec<Vec<f64>> = (0..modes)
+            .map(|n| ports.iter().map(|pattern| participation(n, pattern)).collect())
+            .collect();
+        let points: Vec<(usize, f64)> = points(places, 0).collect();
+        let left = Mat::from_fn(points.len(), points.len(), |a, b| {
+            bar.left_out(modes, places, points[a], points[b])
+        });
+        let row_of = |place: usize| points.iter().position(|(own, _)| *own == place);
+        let between = |a: &PortPattern, b: &PortPattern| -> f64 {
+            let pairs = a.iter().flat_map(|x| b.iter().map(move |y| (x, y)));
+            pairs.filter_map(|(x, y)| Some(x.1 * y.1 * left[(row_of(x.0)?, row_of(y.0)?)])).sum()
+        };
+        let rows: Vec<Vec<f64>> =
+            ports.iter().map(|a| ports.iter().map(|b| between(a, b)).collect()).collect();
+        Ok(Self {
+            angular_frequencies: (0..modes).map(|n| n as f64 * first).collect(),
+            participations,
+            residual: ResidualFlexibility::from_rows(&rows)?,
+        })
+    }
+}
+
+/// The points of body `index` among `places`: number and position \[m\] of each.
+fn points(places: &[Port], index: usize) -> impl Iterator<Item = (usize, f64)> {
+    places.iter().enumerate().filter_map(move |(number, place)| match *place {
+        Port::Point { body, position } if body == index => Some((number, position)),
+        _ => None,
+    })
+}
+
 /// One bar of a stack, free at both ends.
 struct Bar<'a> {
     index: usize,
@@ -140,6 +220,22 @@ impl Bar<'_> {
         parts * length / self.body.axial_rigidity()
     }
 
+    /// Flexibility of the modes from `kept` on between two of `places`, each with its position \[m/N\].
+    fn left_out(
+        &self,
+        kept: usize,
+        places: &[Port],
+        (a, x): (usize, f64),
+        (b, y): (usize, f64),
+    ) -> f64 {
+        let of_mode = |n: usize| {
+            let w = n as f64 * first_frequency(self.body);
+            let [a, b] = [a, b].map(|place| self.participation(places[place], n));
+            a * b / (w * w)
+        };
+        self.flexibility(x, y) - (1..kept).map(of_mode).sum::<f64>()
+    }
+
     /// Adds the flexibility of the modes from `kept` on: to the residual, or as massless modes where
     /// the bar has a retardation time.
     fn leave_out(
@@ -149,22 +245,8 @@ impl Bar<'_> {
         modes: &mut Vec<NormalMode>,
         residual: &mut ResidualFlexibility,
     ) {
-        let place = |(port, of): (usize, &Port)| match *of {
-            Port::Point { body, position } if body == self.index => Some((port, position)),
-            _ => None,
-        };
-        let places: Vec<(usize, f64)> = all.iter().enumerate().filter_map(place).collect();
-        let shown = |a: usize, b: usize| -> f64 {
-            let of_mode = |n: usize| {
-                let w = n as f64 * first_frequency(self.body);
-                let [a, b] = [a, b].map(|port| self.participation(all[port], n));
-                a * b / (w * w)
-            };
-            (1..kept).map(of_mode).sum()
-        };
-        let left = |(a, x): (usize, f64), (b, y): (usize, f64)| -> f64 {
-            self.flexibility(x, y) - shown(a, b)
-        };
+        let places: Vec<(usize, f64)> = points(all, self.index).collect();
+        let left = |a: (usize, f64), b: (usize, f64)| self.left_out(kept, all, a, b);
         let time = self.body.damping().retardation_time().unwrap_or(0.0);
         if time == 0.0 {
             for (number, &a) in places.iter().enumerate() {

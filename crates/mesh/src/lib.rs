@@ -72,6 +72,6 @@ pub use error::MeshError;
 pub use grid::{BarGrid, Grid};
 pub use mode_count::ModeCount;
 pub use port::{Port, PortPair};
-pub use reduction::{PortPattern, ReducedBody};
+pub use reduction::{PortPattern, ReducedBody, RowShapes};
 pub use sparse_body::SparseBody;
 pub use stack::{Interface, Stack, Support, static_pressures};

@@ -269,11 +269,7 @@ impl Document {
 
     /// The document for any folder: names of its files, of samples, matrices, meshes and cells, are absolute.
     pub fn with_absolute_files(&self) -> Value {
-        let folder = std::path::absolute(self.folder());
-        let folder = folder.unwrap_or_else(|_| self.folder().to_owned());
-        let mut value = self.value().clone();
-        make_absolute(&mut value, &folder);
-        value
+        with_absolute_files(self.value().clone(), self.folder())
     }
 
     /// Folder that relative file names in the document start from.
@@ -288,6 +284,14 @@ impl Document {
     pub fn sha256(&self) -> String {
         text_sha256(&sorted(&self.value).to_string())
     }
+}
+
+/// The JSON value of a scenario whose files are in `folder`, for any folder: names of files, of samples, matrices, meshes
+/// and cells, are absolute.
+pub fn with_absolute_files(mut scenario: Value, folder: &Path) -> Value {
+    let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+    make_absolute(&mut scenario, &folder);
+    scenario
 }
 
 /// The same value with the keys of every object in order.

@@ -68,7 +68,7 @@ pub use asperity_structure::{
 };
 pub use body::{BodySpec, SectionSpec};
 pub use diagnostic::{Diagnostic, InvalidDocument, MAX_FAULTS};
-pub use document::{Document, DocumentError, MAX_DOCUMENT_BYTES};
+pub use document::{Document, DocumentError, MAX_DOCUMENT_BYTES, with_absolute_files};
 pub use fault::{Bound, Fault};
 pub use input_file::{InputError, open_input, read_text};
 pub use load_samples::{LoadSamples, MAX_SAMPLE_BYTES, SamplesError};
@@ -85,9 +85,9 @@ pub use schema_check::check_schema;
 pub use set_value::{SetError, set_value};
 pub use sha256::{file_sha256, text_sha256};
 pub use structure_scenario::{
-    AnyScenario, ClosureArray, DEFAULT_REDUCED_MODES, HeldSpec, LoadArray, MatricesFormatSpec,
-    MatricesSpec, MatrixBodySpec, PatchSpec, ReductionSpec, SplitFaces, SplitSpec, SpringSpec,
-    StaticLoadSpec, StructureScenario, SurfaceSpec, UnitsSpec, structure_schema,
+    AnyScenario, BarSpec, ClosureArray, DEFAULT_REDUCED_MODES, HeldSpec, LoadArray,
+    MatricesFormatSpec, MatricesSpec, PatchSpec, ReductionSpec, SideSpec, SplitFaces, SplitSpec,
+    SpringSpec, StaticLoadSpec, StructureBodySpec, StructureScenario, UnitsSpec, structure_schema,
 };
 pub use validate::{
     MAX_CELLS, MAX_HISTORY_NUMBERS, MAX_STEPS, MIN_SAMPLES, has_matrices, validate, validate_json,

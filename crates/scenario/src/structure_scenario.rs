@@ -1,9 +1,9 @@
-//! Scenario of a structure given by matrices of a finite-element program.
+//! Scenario of a structure given by matrices of a finite-element program, and by bars beside them.
 
 use std::sync::LazyLock;
 
-use asperity_law::{LawRef, Laws};
-use asperity_structure::{DampingSpec, ExcitationSpec, PlaceSpec, SensorSpec};
+use asperity_law::{ContactDampingSpec, LawRef, Laws};
+use asperity_structure::{DampingSpec, End, ExcitationSpec, PlaceSpec, SensorSpec};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -13,8 +13,8 @@ use crate::scenario::{DEFAULT_OUTPUT_RATE_HZ, MAX_OUTPUT_RATE_HZ, Scenario, Sche
 /// Modes kept of each body by default.
 pub const DEFAULT_REDUCED_MODES: usize = 40;
 
-/// Bodies given by their matrices, with contact patches of many cells, static loads, an excitation and
-/// sensors.
+/// Bodies given by their matrices, and bars beside them, with contact patches of many cells, static loads, an
+/// excitation and sensors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StructureScenario {
@@ -25,7 +25,7 @@ pub struct StructureScenario {
     pub title: Option<String>,
     /// Bodies, in any order.
     #[schemars(length(min = 1, max = 100))]
-    pub bodies: Vec<MatrixBodySpec>,
+    pub bodies: Vec<StructureBodySpec>,
     /// Acceleration of gravity along x, y and z in m/s².
     #[serde(default)]
     pub gravity_m_per_s2: [f64; 3],
@@ -73,19 +73,24 @@ impl StructureScenario {
     pub fn files(&self) -> impl Iterator<Item = &str> {
         let cells = self.interfaces.iter().filter_map(|patch| patch.cells.as_deref());
         let loads = self.loads.iter().filter_map(|load| load.file.as_deref());
-        self.bodies.iter().flat_map(MatrixBodySpec::files).chain(cells).chain(loads)
+        self.bodies.iter().flat_map(StructureBodySpec::files).chain(cells).chain(loads)
     }
 }
 
-/// Body given by its matrices.
+/// Body given by its matrices, or bar.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct MatrixBodySpec {
+#[schemars(extend("oneOf" = [{"required": ["matrices"]}, {"required": ["bar"]}]))]
+pub struct StructureBodySpec {
     /// Name of the body.
     #[schemars(length(min = 1))]
     pub name: String,
     /// Files of its stiffness and mass without contact.
-    pub matrices: MatricesSpec,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub matrices: Option<MatricesSpec>,
+    /// Bar in place of matrices.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bar: Option<BarSpec>,
     /// Deck with the nodes of the mesh: tells rows of internal amplitudes from displacements, names sets, and
     /// makes the reduction faster. File relative to the scenario's folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -99,13 +104,44 @@ pub struct MatrixBodySpec {
     pub reduction: ReductionSpec,
 }
 
-impl MatrixBodySpec {
+impl StructureBodySpec {
     /// Files of the body, as given.
     fn files(&self) -> impl Iterator<Item = &str> {
-        let MatricesSpec { stiffness, mass, rows, .. } = &self.matrices;
-        let optional = mass.iter().chain(rows).chain(&self.mesh);
-        std::iter::once(stiffness).chain(optional).map(String::as_str)
+        let of_matrices = self.matrices.iter().flat_map(|matrices| {
+            let optional = matrices.mass.iter().chain(&matrices.rows);
+            std::iter::once(&matrices.stiffness).chain(optional)
+        });
+        of_matrices.chain(&self.mesh).map(String::as_str)
     }
+}
+
+/// Uniform bar that moves along its axis, with exactly one of `area_m2` and `mass_kg`. It does not turn, and its end
+/// faces stay plane.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("oneOf" = [{"required": ["area_m2"]}, {"required": ["mass_kg"]}]))]
+pub struct BarSpec {
+    /// Length in m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub length_m: f64,
+    /// Area of the cross-section in m²; give this or `mass_kg`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub area_m2: Option<f64>,
+    /// Mass of the bar in kg, with the area mass / (density length); give this or `area_m2`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub mass_kg: Option<f64>,
+    /// Young's modulus in Pa.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub youngs_modulus_pa: f64,
+    /// Density in kg/m³.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub density_kg_per_m3: f64,
+    /// Direction of its axis, from the upper to the lower end, along which its displacements count; its length does not
+    /// count.
+    #[serde(default = "down")]
+    pub direction: [f64; 3],
 }
 
 /// Format of files of matrices.
@@ -189,14 +225,16 @@ impl Default for ReductionSpec {
     }
 }
 
-/// Static load: a file of nodal forces, the loads of a reduced model, or a force on a node or spread over a set of nodes.
+/// Static load: a file of nodal forces, the loads of a reduced model, a force on a node or spread over a set of nodes, or
+/// a force on an end of a bar.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend("oneOf" = [
     {"required": ["file"]},
     {"required": ["array"]},
     {"required": ["node", "direction", "force_n"]},
-    {"required": ["set", "direction", "force_n"]}
+    {"required": ["set", "direction", "force_n"]},
+    {"required": ["end", "force_n"]}
 ]))]
 pub struct StaticLoadSpec {
     /// Name of the body.
@@ -219,6 +257,9 @@ pub struct StaticLoadSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub set: Option<String>,
+    /// End of a bar on which the force acts, along the axis of the bar.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end: Option<End>,
     /// Direction of the force; its length does not count.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub direction: Option<[f64; 3]>,
@@ -249,12 +290,12 @@ pub struct PatchSpec {
     /// Array of closures of a reduced model, "W": its cells, with the areas of its array `area`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub array: Option<ClosureArray>,
-    /// Surface whose outward normals point at the other; closures are along them.
+    /// Side whose outward normals point at the other; closures are along them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub above: Option<SurfaceSpec>,
-    /// The other surface, whose mesh need not match; rigid ground when left out.
+    pub above: Option<SideSpec>,
+    /// The other side, whose mesh need not match; rigid ground when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub below: Option<SurfaceSpec>,
+    pub below: Option<SideSpec>,
     /// Division of the area between the surfaces: "faces", a cell for each face of "above", which is the default, or
     /// \[columns, rows\] of a grid over the patch.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -263,6 +304,14 @@ pub struct PatchSpec {
     /// near the normal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub along: Option<[f64; 3]>,
+    /// Area in m² of a contact between two places, which is one cell: ends of bars, nodes or sets of nodes. Surfaces have
+    /// their own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub area_m2: Option<f64>,
+    /// Viscous damping of every cell; none when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping: Option<ContactDampingSpec>,
     /// Gap between the faces before they are loaded in m; negative for an interference.
     #[serde(default)]
     pub initial_gap_m: f64,
@@ -321,22 +370,35 @@ pub struct HeldSpec {
     pub direction: [f64; 3],
 }
 
-/// A side of a contact patch.
+/// A side of a contact patch: a surface, an end of a bar, or with the `area_m2` of the interface a node or the mean of the
+/// nodes of a set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(extend("oneOf" = [{"required": ["surface"]}, {"required": ["set"]}]))]
-pub struct SurfaceSpec {
-    /// Name of the body, which has a mesh.
+#[schemars(extend("oneOf" = [
+    {"required": ["surface"]},
+    {"required": ["set"]},
+    {"required": ["end"]},
+    {"required": ["node"]}
+]))]
+pub struct SideSpec {
+    /// Name of the body; it has a mesh for a surface or a set.
     #[schemars(length(min = 1))]
     pub body: String,
     /// Surface of element faces of its mesh (`*SURFACE, TYPE=ELEMENT`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub surface: Option<String>,
-    /// Set of nodes of its mesh: the free faces all nodes of which are in it.
+    /// Set of nodes of its mesh: the free faces all nodes of which are in it; with the `area_m2` of the interface the
+    /// mean of its nodes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub set: Option<String>,
+    /// End of a bar.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end: Option<End>,
+    /// Node, with the `area_m2` of the interface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub node: Option<i64>,
 }
 
 /// Division of a patch into cells.
@@ -362,7 +424,7 @@ pub enum SplitFaces {
 pub enum AnyScenario {
     /// Bars and their interfaces.
     Bars(Box<Scenario>),
-    /// A structure of matrices with its patches.
+    /// A structure of matrices, and bars beside them, with its patches.
     Structure(Box<StructureScenario>),
 }
 
@@ -388,6 +450,10 @@ impl AnyScenario {
 pub fn structure_schema() -> &'static Value {
     static SCHEMA: LazyLock<Value> = LazyLock::new(schema_of::<StructureScenario>);
     &SCHEMA
+}
+
+fn down() -> [f64; 3] {
+    [0.0, 0.0, -1.0]
 }
 
 fn one() -> f64 {

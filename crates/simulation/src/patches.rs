@@ -1,10 +1,12 @@
-//! Structures given by matrices of finite elements, with contact patches of many cells.
+//! Structures given by matrices of finite elements, and bars beside them, with contact patches of many cells.
 //!
 //! | module | holds |
 //! |---|---|
 //! | `body` | files of a body |
+//! | `bar` | bars beside bodies of matrices |
 //! | [`ports`] | cells of patches, springs, loads, excitation and sensors as ports of the bodies |
 //! | `patch_cells` | cells of a file, between surfaces, or of a reduced model |
+//! | `bar_contacts` | contacts of ends of bars |
 //! | [`structure`] | a scenario to a structure at rest |
 //! | [`kept_reduction`] | reductions kept on disk under what they depend on |
 //! | [`run`] | transient runs |
@@ -14,6 +16,8 @@
 //! | [`mode_shapes`] | modes on meshes, as VTU and universal files |
 //! | [`patch_map`] | places of cells with their pressures and gaps at rest |
 
+mod bar;
+mod bar_contacts;
 mod body;
 pub mod kept_reduction;
 pub mod mode_shapes;
@@ -33,7 +37,7 @@ pub use ports::Patch;
 pub(crate) use rows::PatchRows;
 pub use run::{
     CellCounts, CellSummary, PatchResponse, PatchRun, PatchSummary, PatchSystem,
-    RefinedPatchResponse, Truncation, simulate_patches,
+    RefinedPatchResponse, StaticDisplacement, Truncation, simulate_patches,
 };
 pub use steady::steady_cells;
 pub use structure::{PatchStructure, ReducedStructure, ReducedStructures, assemble_patches};

@@ -124,11 +124,16 @@ fn shapes_on_a_mesh_are_those_of_the_chain() {
             .filter(|set: &Vec<&str>| !set.is_empty())
             .collect();
         let numbers: Vec<&str> = sets.iter().map(|set| set[0].trim()).collect();
-        assert_eq!(numbers, ["164", "2411", "55", "55", "55", "55"]);
+        // The chain has no elements, so no lines along edges.
+        assert_eq!(numbers, ["164", "2411", "55", "55", "55", "55", "55"]);
+        assert_eq!(
+            sets[2][6..8].join(""),
+            [1, 1, 2, 8, 2, 3, 1, 1, 1].map(|code| format!("{code:>10}")).concat()
+        );
         assert_eq!(sets[1].len(), 1 + 2 * 5);
         assert_eq!(sets[1][3], "         2         1         1        11");
         assert_eq!(sets[1][4][..25].trim(), "1.0000000000000001E-01");
-        for (j, set) in sets[2..].iter().enumerate() {
+        for (j, set) in sets[3..].iter().enumerate() {
             let number = |line: usize, field: usize| -> f64 {
                 set[line][13 * field..13 * (field + 1)].trim().parse().unwrap()
             };
@@ -150,6 +155,59 @@ fn shapes_on_a_mesh_are_those_of_the_chain() {
         let maps = patch_maps(&scenario, &assembly.structure, document.folder()).unwrap();
         assert_eq!(maps[0].cells[0].polygons, [vec![[0.0; 3]]]);
         assert!(patch_grid(&maps).unwrap().contains("Name=\"pressure_pa\""));
+    }
+}
+
+/// Displacements at rest of a chain of four between a contact and a spring on the ground, under gravity and a force, with two
+/// modes kept: those of its stiffness matrix at every node and at a sensor, and the pressure of the contact. The
+/// weight of a free body of equal masses acts on its rigid motion alone: its flexibility is zero, not rounding.
+#[test]
+fn displacements_at_rest_are_those_of_the_springs() {
+    let folder = tempfile::tempdir().unwrap();
+    write_chains(folder.path(), [4, 2]);
+    let deck = "*NODE\n1,0.0,0,0\n2,0.1,0,0\n3,0.2,0,0\n4,0.3,0,0\n";
+    fs::write(folder.path().join("chain.inp"), deck).unwrap();
+    let more = format!(
+        r#", "gravity_m_per_s2": [9.81, 0, 0], "loads": [{{"body": "a", "node": 3, "direction": [1, 0, 0], "force_n": 40}}],
+            "springs": [{{"from": {{"body": "a", "node": 4, "direction": [1, 0, 0]}}, "stiffness_n_per_m": {STIFFNESS:e}}}]"#
+    );
+    let text = scenario(&["a"], "first.csv", &more).replace(
+        r#"{"name": "a","#,
+        r#"{"name": "a", "mesh": "chain.inp", "reduction": {"modes": 2},"#,
+    );
+    let rayleigh = text.replace("mass_proportional", "rayleigh");
+    let rayleigh = rayleigh.replace(r#""rate_per_s": 0"#, r#""rate_per_s": 0, "time_s": 1e-6"#);
+    let weight = MASS * 9.81;
+    let loads = [weight, weight, weight + 40.0, weight].map(|force| force / STIFFNESS);
+    // Between walls, the flexibility of springs of 1 N/m is min(i, j) (5 - max(i, j)) / 5.
+    let exact = |i: usize| -> f64 {
+        let share = |j: usize| (i.min(j) * (5 - i.max(j))) as f64 / 5.0;
+        (1..).zip(loads).map(|(j, load)| share(j) * load).sum()
+    };
+    for text in [text, rayleigh] {
+        let document = Document::parse(&text, folder.path().join("chain.json")).unwrap();
+        let scenario = document.structure_scenario().unwrap();
+        // The second time from what was kept.
+        for _ in 0..2 {
+            let assembly = assemble_patches(&scenario, document.folder()).unwrap();
+            let found = patch_modes(&assembly, 2).unwrap();
+            let structure = &assembly.structure;
+            let meshes = mesh_modes(&scenario, structure, &found, document.folder()).unwrap();
+            for node in 1..=4 {
+                let at_rest = meshes[0].at_rest(node).unwrap();
+                let exact = exact(node as usize);
+                assert!((at_rest[0] / exact - 1.0).abs() < 1e-6, "{node}: {at_rest:?} {exact:e}");
+                assert_eq!(at_rest[1..], [0.0, 0.0]);
+            }
+            let force = 1e-4 * structure.structure.contacts()[0].pressure();
+            assert!((force / (STIFFNESS * exact(1)) - 1.0).abs() < 1e-9, "{force}");
+            assert!((structure.static_displacements[0] / exact(2) - 1.0).abs() < 1e-9);
+            assert!(meshes[0].grid().contains("Name=\"displacement at rest\""));
+        }
+        let run = simulate_patches(&document, &scenario, &|_| ()).unwrap().summary();
+        let sensor = &run.static_displacements[0];
+        assert_eq!(sensor.sensor, "two");
+        assert!((sensor.displacement_m / exact(2) - 1.0).abs() < 1e-9);
     }
 }
 

@@ -57,7 +57,7 @@ pub use linearised::PortMode;
 pub use load_case::{BaseQuantity, LoadCase};
 pub use modal_damping::DampedMode;
 pub use modes::LinearisedMode;
-pub use patch_equilibrium::{UnloadedContact, contacts_at_rest};
+pub use patch_equilibrium::{StaticState, UnloadedContact, contacts_at_rest, static_state};
 pub use place::{Along, End, PlaceSpec, SensorKind, SensorSpec};
 pub use preloaded::PreloadedStructure;
 pub use time_function::{Order, SampledFunction, SteppedSine, TimeFunction};

@@ -58,7 +58,40 @@ const UNBALANCED: f64 = 1e-6;
 /// Pressure at which the first step is linearised if the loads do not give one \[Pa\].
 const FIRST_PRESSURE: f64 = 1e5;
 
+/// A structure at rest under static loads.
+#[derive(Debug, Clone)]
+pub struct StaticState {
+    /// The contacts.
+    pub contacts: Vec<PreloadedContact>,
+    /// Displacement of each mode from the place without loads \[m kg^1/2\]; zero along motions that nothing holds.
+    pub coordinates: Vec<f64>,
+    /// Force at each port, of contacts and loads \[N\].
+    pub port_forces: Vec<f64>,
+}
+
+impl StaticState {
+    /// Static displacement of a port of `modes` \[m\].
+    pub fn displacement(&self, modes: &ComponentModes, port: usize) -> f64 {
+        let carried: f64 =
+            modes.modes().iter().zip(&self.coordinates).map(|(mode, q)| mode.ports[port] * q).sum();
+        let forces = self.port_forces.iter().enumerate().filter(|(_, force)| **force != 0.0);
+        carried + forces.map(|(b, force)| modes.residual().get(port, b) * force).sum::<f64>()
+    }
+}
+
 /// The `contacts` at rest under forces at ports of `modes`: port and force \[N\] each.
+///
+/// # Errors
+/// Those of [`static_state`].
+pub fn contacts_at_rest(
+    modes: &ComponentModes,
+    contacts: &[UnloadedContact],
+    loads: &[(usize, f64)],
+) -> Result<Vec<PreloadedContact>, StructureError> {
+    Ok(static_state(modes, contacts, loads)?.contacts)
+}
+
+/// A structure at rest under forces at ports of `modes`: port and force \[N\] each.
 ///
 /// Motions that neither stiffness nor contacts hold stay out if the loads do not act along them.
 ///
@@ -66,17 +99,17 @@ const FIRST_PRESSURE: f64 = 1e5;
 /// [`StructureError::ContactCount`] unless there is one contact per pair, and at least one;
 /// [`StructureError::NotHeld`] for loads that no contact carries;
 /// [`StructureError::Setting`] and [`StructureError::NoEquilibrium`] as [`PreloadedContact::new`].
-pub fn contacts_at_rest(
+pub fn static_state(
     modes: &ComponentModes,
     contacts: &[UnloadedContact],
     loads: &[(usize, f64)],
-) -> Result<Vec<PreloadedContact>, StructureError> {
+) -> Result<StaticState, StructureError> {
     let pairs = modes.contacts();
     if contacts.len() != pairs.len() || contacts.is_empty() {
         return Err(StructureError::ContactCount { pairs: pairs.len(), contacts: contacts.len() });
     }
     let problem = EnergyProblem::new(modes, contacts, loads)?;
-    let closures = problem.minimum()?;
+    let (place, closures) = problem.minimum()?;
     let at_rest = |(contact, closure): (&UnloadedContact, f64)| {
         let UnloadedContact { name, area, law, gap, damping } = contact;
         let law = Arc::clone(law);
@@ -89,9 +122,22 @@ pub fn contacts_at_rest(
                 PreloadedContact::new(name, *area, law, pressure)?
             }
         };
-        Ok(closed.with_damping(*damping))
+        Ok::<_, StructureError>(closed.with_damping(*damping))
     };
-    contacts.iter().zip(closures).map(at_rest).collect()
+    let contacts: Vec<PreloadedContact> =
+        contacts.iter().zip(closures).map(at_rest).collect::<Result<_, _>>()?;
+    let mut port_forces = vec![0.0; modes.ports()];
+    for &(port, force) in loads {
+        port_forces[port] += force;
+    }
+    for (pair, contact) in pairs.iter().zip(&contacts) {
+        let force = contact.area() * contact.pressure();
+        port_forces[pair.upper] -= force;
+        if let Some(lower) = pair.lower {
+            port_forces[lower] += force;
+        }
+    }
+    Ok(StaticState { contacts, coordinates: problem.coordinates(&place), port_forces })
 }
 
 /// The energy in coordinates with a diagonal elastic stiffness.
@@ -99,6 +145,10 @@ struct EnergyProblem<'a> {
     contacts: &'a [UnloadedContact],
     /// Elastic stiffness of each coordinate; zero for a rigid motion.
     stiffness: Vec<f64>,
+    /// Mode of each elastic coordinate, and the rigid modes of which each of the others is a sum.
+    modes: Vec<CoordinateModes>,
+    /// Number of modes.
+    count: usize,
     /// Closure of each contact per coordinate: a row a contact.
     closures: Mat<f64>,
     /// Static load along each coordinate.
@@ -109,6 +159,9 @@ struct EnergyProblem<'a> {
     first_pressure: f64,
 }
 
+/// Modes whose sum a coordinate is, with their shares; none for flexibility.
+type CoordinateModes = Vec<(usize, f64)>;
+
 impl<'a> EnergyProblem<'a> {
     fn new(
         modes: &ComponentModes,
@@ -116,8 +169,11 @@ impl<'a> EnergyProblem<'a> {
         forces: &[(usize, f64)],
     ) -> Result<Self, StructureError> {
         let pairs = modes.contacts();
-        let (rigid, elastic): (Vec<_>, Vec<_>) =
-            modes.modes().iter().partition(|mode| mode.angular_frequency == 0.0);
+        let is_rigid = |number: &usize| modes.modes()[*number].angular_frequency == 0.0;
+        let (rigid_numbers, elastic): (Vec<usize>, Vec<usize>) =
+            (0..modes.modes().len()).partition(is_rigid);
+        let rigid: Vec<_> = rigid_numbers.iter().map(|&number| &modes.modes()[number]).collect();
+        let mut of_modes: Vec<CoordinateModes> = Vec::new();
         let along = |ports: &[f64]| -> f64 {
             forces.iter().map(|&(port, force)| ports[port] * force).sum()
         };
@@ -149,6 +205,8 @@ impl<'a> EnergyProblem<'a> {
                 let load = turned(&|r| rigid_loads[r]);
                 if k < pairs.len() && values[k] > HELD * largest {
                     stiffness.push(0.0);
+                    let shares = rigid_numbers.iter().enumerate();
+                    of_modes.push(shares.map(|(r, &number)| (number, svd.V()[(r, k)])).collect());
                     columns.push(
                         (0..pairs.len()).map(|i| turned(&|r| rigid_closures[(i, r)])).collect(),
                     );
@@ -158,13 +216,16 @@ impl<'a> EnergyProblem<'a> {
                 }
             }
         }
-        for mode in elastic {
+        for number in elastic {
+            let mode = &modes.modes()[number];
+            of_modes.push(vec![(number, 1.0)]);
             stiffness.push(mode.angular_frequency.powi(2));
             columns.push(pairs.iter().map(|&pair| mode.closure(pair)).collect());
             loads.push(along(&mode.ports));
         }
         for (column, load) in flexible_coordinates(modes, forces)? {
             stiffness.push(1.0);
+            of_modes.push(Vec::new());
             columns.push(column);
             loads.push(load);
         }
@@ -177,11 +238,24 @@ impl<'a> EnergyProblem<'a> {
         }
         let springs = contacts.iter().map(|one| one.area * one.law.stiffness(first_pressure));
         let floor = FLOOR * springs.sum::<f64>() / contacts.len() as f64;
-        Ok(Self { contacts, stiffness, closures, loads, floor, first_pressure })
+        let count = modes.modes().len();
+        let modes = of_modes;
+        Ok(Self { contacts, stiffness, modes, count, closures, loads, floor, first_pressure })
     }
 
-    /// Closures at the minimum of the energy \[m\].
-    fn minimum(&self) -> Result<Vec<f64>, StructureError> {
+    /// Displacements of the modes at a place.
+    fn coordinates(&self, place: &[f64]) -> Vec<f64> {
+        let mut coordinates = vec![0.0; self.count];
+        for (modes, value) in self.modes.iter().zip(place) {
+            for &(number, share) in modes {
+                coordinates[number] += share * value;
+            }
+        }
+        coordinates
+    }
+
+    /// Place and closures \[m\] at the minimum of the energy.
+    fn minimum(&self) -> Result<(Vec<f64>, Vec<f64>), StructureError> {
         let size = self.stiffness.len();
         let mut place = vec![0.0; size];
         let mut closures = vec![0.0; self.contacts.len()];
@@ -197,7 +271,7 @@ impl<'a> EnergyProblem<'a> {
             let work: f64 = self.loads.iter().zip(&place).map(|(f, q)| (f * q).abs()).sum();
             let own: f64 = self.stiffness.iter().zip(&place).map(|(k, q)| k * q * q).sum::<f64>();
             if decrement <= REACHED * (work + own) {
-                return Ok(closures);
+                return Ok((place, closures));
             }
             let ahead = self.closures_of(&step);
             let length = self.search((&place, &step), (&closures, &ahead), -decrement)?;

@@ -11,8 +11,17 @@
 //! Newton steps take the forces of closed contacts as unknowns, `(1 / (A k) + G) f = r`, which is symmetric and
 //! positive definite however stiff or soft the contacts are. Its factor is kept while stiffnesses change little.
 //!
-//! A spring, a contact that carries tension, may have a damper of the mean force `c (x - x_0) / h` in a step.
+//! With damping a contact has the traction `p + dR/dt`, not below zero where its law separates, with the viscous impulse
+//! `R = integral of c(p) dx` and its rate at the end of a step, of second order:
+//!
+//! ```text
+//! dR/dt = (3 R - 4 R_0 + R_before) / (2 h).
+//! ```
+//!
+//! R grows with x, so that the equations keep one solution. The mean of tractions of both ends acts on modes in a step: a linear
+//! damper on a mass and a spring is stable at any step, as the roots of its difference equation show.
 
+mod contact_factor;
 mod contact_forces;
 mod run_parts;
 
@@ -21,14 +30,14 @@ use std::sync::Arc;
 
 use asperity_mesh::ComponentModes;
 use asperity_structure::{LoadCase, PreloadedContact, PreloadedStructure};
-use faer::linalg::solvers::{Llt, Solve};
-use faer::{Mat, Side};
+use faer::Mat;
 
 use super::oscillator::{Dynamics, Propagator};
 use crate::contact_energy::excess;
 use crate::error::{balanced, check_modal_damping};
 use crate::run_bounds::check_many_contacts;
 use crate::{ContactExtremes, DynamicsError, EnergyLedger, History, Sampling, Transient};
+use contact_factor::{Work, times};
 use contact_forces::ContactForces;
 use run_parts::{Extremes, Residual};
 
@@ -43,10 +52,8 @@ const MOST_ITERATIONS: usize = 60;
 const SOLVED: f64 = 1e-11;
 const LEAST: f64 = 1e-4;
 
-/// Relative change of a stiffness up to which a factor is used again, and contacts from which on it is
-/// worth it.
-const SAME: f64 = 0.2;
-const WORTH_KEEPING: usize = 48;
+/// Roundings of a viscous force that are no residual: impulses grow to some times their size at rest.
+const ROUNDINGS: f64 = 100.0 * f64::EPSILON;
 
 /// A structure in component modes with many contacts, under a load at one port, read at others.
 ///
@@ -87,8 +94,6 @@ pub struct ManyContacts {
     load: usize,
     sensors: Vec<usize>,
     forces: ContactForces,
-    /// Damper of each contact \[N s/m\]; of springs alone.
-    dampers: Vec<f64>,
     /// Contacts whose means over their area are recorded together.
     groups: Vec<Range<usize>>,
 }
@@ -99,7 +104,7 @@ impl ManyContacts {
     /// # Errors
     /// [`DynamicsError::Setting`] for more than [`MOST_CONTACTS`] contacts;
     /// [`DynamicsError::Mesh`] for a port that does not exist; [`DynamicsError::Dissipative`] for contacts with
-    /// friction, or with damping unless they are springs; [`DynamicsError::ModalDamping`] for ratios of modes.
+    /// friction; [`DynamicsError::ModalDamping`] for ratios of modes.
     pub fn new(
         structure: Arc<PreloadedStructure<ComponentModes>>,
         load: usize,
@@ -118,18 +123,12 @@ impl ManyContacts {
                 accepted: "1 to 1000",
             });
         }
-        let is_damped = |contact: &&PreloadedContact| {
-            contact.damping().is_some() && !contact.law().domain().is_bilateral()
-        };
-        let damped = structure.contacts().iter().find(is_damped);
-        let dissipative = damped.map(PreloadedContact::name).or(structure.friction());
-        if let Some(element) = dissipative {
+        if let Some(element) = structure.friction() {
             return Err(DynamicsError::Dissipative { element: element.to_owned() });
         }
         let forces = ContactForces::new(structure.contacts());
         let groups = (0..count).map(|contact| contact..contact + 1).collect();
-        let dampers = structure.contacts().iter().map(PreloadedContact::damper).collect();
-        Ok(Self { structure, load, sensors, forces, dampers, groups })
+        Ok(Self { structure, load, sensors, forces, groups })
     }
 
     /// The same with one interface of the history for each range of contacts, with means over their area.
@@ -145,7 +144,8 @@ impl ManyContacts {
 
     /// The response from rest to `load`, whose own port does not count, with `parts` steps between samples.
     ///
-    /// The history has one interface for each contact, or [group](Self::with_groups) of them.
+    /// The history has one interface for each contact, or [group](Self::with_groups) of them; pressures are those of
+    /// laws, without the viscous part of the traction.
     ///
     /// # Errors
     /// [`DynamicsError::Setting`] for a load out of range or no parts; [`DynamicsError::Unstable`] when the
@@ -227,24 +227,30 @@ struct Run<'a> {
     /// Closures from rest, at the end and at the end before, and force increments \[N\].
     closures: Vec<f64>,
     before: Vec<f64>,
+    /// Parts of a step without contact.
+    shares: Vec<f64>,
+    /// Memory of closures.
+    earlier: Vec<f64>,
     forces: Vec<f64>,
+    /// Force increments by laws alone \[N\].
+    law_forces: Vec<f64>,
+    /// Tangents of forces, and those of laws alone \[N/m\].
     stiffness: Vec<f64>,
-    /// Force of each damper \[N\] and its stiffness in a step, `2 c / h` \[N/m\].
-    damper_forces: Vec<f64>,
-    damper_stiffness: Vec<f64>,
+    law_stiffness: Vec<f64>,
+    /// Viscous impulse at the end and at the end before \[N s\], and viscous force \[N\] of each contact.
+    impulses: [Vec<f64>; 2],
+    viscous: Vec<f64>,
     load_value: f64,
-    kept: Option<KeptFactor>,
+    work: Work,
+    /// Displacements and velocities of the modes without forces at the new end.
+    drift: Vec<[f64; 2]>,
+    free: Vec<f64>,
     largest: f64,
+    /// Closures by the rounding of viscous forces \[m\].
+    noise: f64,
     extremes: Vec<Extremes>,
     group_extremes: Vec<Extremes>,
     ledger: EnergyLedger,
-}
-
-/// A factor of the contact equations, the contacts that it is of and their stiffnesses \[N/m\].
-struct KeptFactor {
-    closed: Vec<usize>,
-    stiffness: Vec<f64>,
-    factor: Llt<f64>,
 }
 
 impl<'a> Run<'a> {
@@ -301,6 +307,10 @@ impl<'a> Run<'a> {
         let closed = contacts.iter().filter(|contact| contact.stiffness() > 0.0);
         let scale = closed.map(|contact| contact.pressure().abs() / contact.stiffness());
         let largest = LEAST * scale.fold(0.0, f64::max);
+        let noise = |(i, contact): (usize, &PreloadedContact)| {
+            flexibility[(i, i)] * system.forces.impulse_size(i, contact) / step
+        };
+        let noise = ROUNDINGS * contacts.iter().enumerate().map(noise).fold(0.0, f64::max);
         let load_value = load.value(0.0);
         let modal_force = modes.iter().map(|mode| mode.load * load_value).collect();
         let mut run = Self {
@@ -312,17 +322,24 @@ impl<'a> Run<'a> {
             modal_force,
             closures: vec![0.0; n],
             before: vec![0.0; n],
+            earlier: vec![0.0; n],
+            shares: vec![0.0; n],
             forces: vec![0.0; n],
+            law_forces: vec![0.0; n],
             stiffness: contacts.iter().map(PreloadedContact::spring).collect(),
-            damper_forces: vec![0.0; n],
-            damper_stiffness: vec![0.0; n],
+            law_stiffness: contacts.iter().map(PreloadedContact::spring).collect(),
+            impulses: [vec![0.0; n], vec![0.0; n]],
+            viscous: vec![0.0; n],
             modes,
             residual,
             flexibility,
             flexibility_load,
             load_value,
-            kept: None,
+            work: Work::new(n),
+            drift: Vec::new(),
+            free: vec![0.0; n],
             largest,
+            noise,
             extremes,
             group_extremes,
             ledger: EnergyLedger::default(),
@@ -330,7 +347,12 @@ impl<'a> Run<'a> {
         if load_value != 0.0 {
             run.settle();
         }
-        run.damper_stiffness = system.dampers.iter().map(|damper| 2.0 * damper / step).collect();
+        let impulse = |i: usize| {
+            let at = (i, &contacts[i]);
+            system.forces.impulse(at, run.forces[i], run.law_stiffness[i]).0
+        };
+        let impulses: Vec<f64> = (0..n).map(impulse).collect();
+        run.impulses = [impulses.clone(), impulses];
         run
     }
 
@@ -338,7 +360,7 @@ impl<'a> Run<'a> {
     fn settle(&mut self) {
         let free: Vec<f64> = self.residual.load.iter().map(|r| r * self.load_value).collect();
         let flexibility = self.residual.closures.clone();
-        if self.solve(&free, &flexibility, 0.0).is_ok() {
+        if self.solve(&free, &flexibility, (0.0, 0.0)).is_ok() {
             self.before = self.closures.clone();
         }
         for (m, mode) in self.modes.iter().enumerate() {
@@ -350,8 +372,11 @@ impl<'a> Run<'a> {
     /// Advances by one step, to `time` \[s\].
     fn advance(&mut self, time: f64) -> Result<(), DynamicsError> {
         let load = self.load.value(time);
-        let mut free: Vec<f64> = self.flexibility_load.iter().map(|g| g * load).collect();
-        let mut drift = Vec::with_capacity(self.modes.len());
+        let mut free = std::mem::take(&mut self.free);
+        for (value, g) in free.iter_mut().zip(&self.flexibility_load) {
+            *value = g * load;
+        }
+        self.drift.clear();
         for (m, mode) in self.modes.iter().enumerate() {
             let z = [self.displacement[m], self.velocity[m]];
             let moved = |row: [f64; 2], k: usize| {
@@ -361,13 +386,15 @@ impl<'a> Run<'a> {
             for (value, closure) in free.iter_mut().zip(&mode.closures) {
                 *value += closure * next[0];
             }
-            drift.push(next);
+            self.drift.push(next);
         }
         let before = self.load_displacement();
-        let old_closures = self.closures.clone();
+        let mut old_closures = std::mem::take(&mut self.earlier);
+        old_closures.copy_from_slice(&self.closures);
         let flexibility = std::mem::replace(&mut self.flexibility, Mat::zeros(0, 0));
-        let solved = self.solve(&free, &flexibility, time);
+        let solved = self.solve(&free, &flexibility, (time, 1.0 / self.step));
         self.flexibility = flexibility;
+        self.free = free;
         solved?;
         let mut loss = 0.0;
         for (m, mode) in self.modes.iter().enumerate() {
@@ -375,7 +402,8 @@ impl<'a> Run<'a> {
             let force = mode.load * load - along;
             let rate = mode.dynamics.rate;
             let old = [self.displacement[m], self.velocity[m]];
-            let new = [drift[m][0] + mode.new[0] * force, drift[m][1] + mode.new[1] * force];
+            let new =
+                [self.drift[m][0] + mode.new[0] * force, self.drift[m][1] + mode.new[1] * force];
             loss += if mode.dynamics.massless {
                 rate * (new[0] - old[0]).powi(2) / self.step
             } else {
@@ -390,96 +418,109 @@ impl<'a> Run<'a> {
         let mean_load = 0.5 * (load + self.load_value);
         self.load_value = load;
         for (i, old) in old_closures.iter().enumerate() {
-            let moved = self.closures[i] - old;
-            loss += 0.5 * self.damper_stiffness[i] * moved * moved;
-            self.damper_forces[i] = self.damper_stiffness[i] * moved - self.damper_forces[i];
+            if !self.system.forces.is_damped(i) {
+                continue;
+            }
+            let contact = &self.system.structure.contacts()[i];
+            let law = self.law_forces[i];
+            let impulse = self.system.forces.impulse((i, contact), law, self.law_stiffness[i]).0;
+            let viscous = self.forces[i] - law;
+            loss += 0.5 * (viscous + self.viscous[i]) * (self.closures[i] - old);
+            self.viscous[i] = viscous;
+            self.impulses[1][i] = std::mem::replace(&mut self.impulses[0][i], impulse);
         }
         self.ledger.input += mean_load * (self.load_displacement() - before);
         self.ledger.dissipated += loss;
         self.observe(&old_closures);
-        self.before = old_closures;
+        self.earlier = std::mem::replace(&mut self.before, old_closures);
         Ok(())
     }
 
-    /// Solves the contact equations for closures `free` without contact forces.
+    /// Solves the contact equations for closures `free` without contact forces at a `time` \[s\], with rates of impulses
+    /// by the inverse `rate` of the step \[1/s\]; zero for none.
     fn solve(
         &mut self,
         free: &[f64],
         flexibility: &Mat<f64>,
-        time: f64,
+        (time, rate): (f64, f64),
     ) -> Result<(), DynamicsError> {
-        let n = free.len();
+        let mut work = std::mem::take(&mut self.work);
+        let is_solved = self.newton(free, flexibility, rate, &mut work);
+        if is_solved {
+            self.closures.copy_from_slice(&work.place);
+        }
+        self.work = work;
+        if is_solved { Ok(()) } else { Err(self.unstable(time)) }
+    }
+
+    /// Newton steps to the closures of `work`; false if they do not end.
+    fn newton(&mut self, free: &[f64], flexibility: &Mat<f64>, rate: f64, work: &mut Work) -> bool {
         let (forces, contacts) = (&self.system.forces, self.system.structure.contacts());
-        let mut x: Vec<f64> = self
-            .closures
-            .iter()
-            .zip(&self.before)
-            .map(|(now, before)| 2.0 * now - before)
-            .collect();
+        let Work { factor, place, from, change, rest, carried, increments, room } = work;
+        for ((x, now), before) in place.iter_mut().zip(&self.closures).zip(&self.before) {
+            *x = 2.0 * now - before;
+        }
         let mut merit = f64::INFINITY;
-        let mut last: Option<(Vec<f64>, Vec<f64>)> = None;
         for _ in 0..MOST_ITERATIONS {
-            forces.evaluate(contacts, &x, &mut self.forces, &mut self.stiffness);
-            for (i, (&along, at)) in self.damper_stiffness.iter().zip(&x).enumerate() {
-                self.forces[i] += along * (at - self.closures[i]) - self.damper_forces[i];
-                self.stiffness[i] += along;
+            forces.evaluate(contacts, place, &mut self.law_forces, &mut self.law_stiffness);
+            self.add_dampers(rate);
+            times(flexibility, &self.forces, carried);
+            let mut size = 0.0_f64;
+            for (i, value) in rest.iter_mut().enumerate() {
+                *value = free[i] - place[i] - carried[i];
+                // A residual that is no number counts.
+                size = if value.abs() <= size { size } else { value.abs() };
             }
-            let carried = flexibility * column(&self.forces);
-            let rest: Vec<f64> = (0..n).map(|i| free[i] - x[i] - carried[(i, 0)]).collect();
-            let size = rest.iter().fold(0.0, |most: f64, r| most.max(r.abs()));
-            self.largest = x.iter().fold(self.largest, |most, value| most.max(value.abs()));
-            if size <= SOLVED * self.largest {
-                self.closures = x;
-                return Ok(());
+            self.largest = place.iter().fold(self.largest, |most, value| most.max(value.abs()));
+            if size <= (SOLVED * self.largest).max(self.noise) {
+                return true;
             }
             if !size.is_finite() {
-                break;
+                return false;
             }
             // A step that makes the residual much larger is halved.
-            if size > 2.0 * merit
-                && let Some((from, step)) = &mut last
-            {
-                for value in step.iter_mut() {
-                    *value *= 0.5;
+            if size > 2.0 * merit {
+                for ((x, start), step) in place.iter_mut().zip(&*from).zip(change.iter_mut()) {
+                    *step *= 0.5;
+                    *x = start + *step;
                 }
-                x = from.iter().zip(&*step).map(|(a, b)| a + b).collect();
                 continue;
             }
             merit = size;
-            let closed: Vec<usize> = (0..n).filter(|&i| self.stiffness[i] > 0.0).collect();
-            let right = Mat::from_fn(closed.len(), 1, |i, _| rest[closed[i]]);
-            let Some(factor) = self.factor(closed, flexibility) else { break };
-            let increments = factor.factor.solve(&right);
-            let mut change = vec![0.0; n];
-            for (k, &i) in factor.closed.iter().enumerate() {
-                change[i] = increments[(k, 0)];
+            if !factor.update(&self.stiffness, flexibility) {
+                return false;
             }
-            let carried = flexibility * column(&change);
-            let step: Vec<f64> = (0..n).map(|i| rest[i] - carried[(i, 0)]).collect();
-            let next = x.iter().zip(&step).map(|(a, b)| a + b).collect();
-            last = Some((std::mem::replace(&mut x, next), step));
+            factor.solve(rest, increments, room);
+            times(flexibility, increments, carried);
+            from.copy_from_slice(place);
+            for (i, x) in place.iter_mut().enumerate() {
+                change[i] = rest[i] - carried[i];
+                *x += change[i];
+            }
         }
-        Err(self.unstable(time))
+        false
     }
 
-    /// The factor of `1 / k + G` for the `closed` contacts: the kept one if it is close enough.
-    fn factor(&mut self, closed: Vec<usize>, flexibility: &Mat<f64>) -> Option<&KeptFactor> {
-        let same = |kept: &KeptFactor| {
-            let pairs = closed.iter().zip(&kept.stiffness);
-            kept.closed == closed
-                && closed.len() >= WORTH_KEEPING
-                && pairs.into_iter().all(|(&i, old)| (self.stiffness[i] - old).abs() <= SAME * old)
-        };
-        if !self.kept.as_ref().is_some_and(same) {
-            let matrix = Mat::from_fn(closed.len(), closed.len(), |a, b| {
-                let (i, j) = (closed[a], closed[b]);
-                flexibility[(i, j)] + if i == j { 1.0 / self.stiffness[i] } else { 0.0 }
-            });
-            let factor = matrix.llt(Side::Lower).ok()?;
-            let stiffness = closed.iter().map(|&i| self.stiffness[i]).collect();
-            self.kept = Some(KeptFactor { closed, stiffness, factor });
+    /// Forces and stiffnesses of contacts from those of their laws.
+    fn add_dampers(&mut self, rate: f64) {
+        self.forces.copy_from_slice(&self.law_forces);
+        self.stiffness.copy_from_slice(&self.law_stiffness);
+        let laws = &self.system.forces;
+        for (i, contact) in self.system.structure.contacts().iter().enumerate() {
+            if !laws.is_damped(i) || rate == 0.0 {
+                continue;
+            }
+            let (impulse, damper) =
+                laws.impulse((i, contact), self.law_forces[i], self.law_stiffness[i]);
+            let [last, before] = [self.impulses[0][i], self.impulses[1][i]];
+            let force = self.law_forces[i] + rate * (1.5 * impulse - 2.0 * last + 0.5 * before);
+            let least = contact.area() * (laws.lowest(i) - contact.pressure());
+            (self.forces[i], self.stiffness[i]) = if force > least {
+                (force, self.law_stiffness[i] + 1.5 * rate * damper)
+            } else {
+                (least, 0.0)
+            };
         }
-        self.kept.as_ref()
     }
 
     fn unstable(&self, time_s: f64) -> DynamicsError {
@@ -493,13 +534,14 @@ impl<'a> Run<'a> {
     /// crosses first contact.
     fn observe(&mut self, before: &[f64]) {
         let contacts = self.system.structure.contacts();
-        let mut shares = vec![0.0; contacts.len()];
+        let mut shares = std::mem::take(&mut self.shares);
+        shares.fill(0.0);
         for (i, contact) in contacts.iter().enumerate() {
-            let pressure = contact.pressure() + self.forces[i] / contact.area();
+            let pressure = contact.pressure() + self.law_forces[i] / contact.area();
             let one = &mut self.extremes[i];
             one.pressure_min = one.pressure_min.min(pressure.max(self.system.forces.lowest(i)));
             one.pressure_max = one.pressure_max.max(pressure);
-            one.stiffness_sum += (self.stiffness[i] - self.damper_stiffness[i]) / contact.area();
+            one.stiffness_sum += self.law_stiffness[i] / contact.area();
             let Some(lost) = self.system.forces.lost_at(i) else { continue };
             let [old, new] = [before[i] - lost, self.closures[i] - lost];
             let share = match (old < 0.0, new < 0.0) {
@@ -519,6 +561,7 @@ impl<'a> Run<'a> {
             one.stiffness_sum += stiffness;
             one.lost += self.step * shares[group.clone()].iter().copied().fold(1.0, f64::min);
         }
+        self.shares = shares;
     }
 
     /// Pressure, closure and stiffness of a group, means over its area.
@@ -527,11 +570,11 @@ impl<'a> Run<'a> {
         let (mut area, mut force, mut closure, mut stiffness) = (0.0, 0.0, 0.0, 0.0);
         for i in group.clone() {
             let contact = &contacts[i];
-            let carried = contact.area() * contact.pressure() + self.forces[i];
+            let carried = contact.area() * contact.pressure() + self.law_forces[i];
             area += contact.area();
             force += carried.max(contact.area() * self.system.forces.lowest(i));
             closure += contact.area() * (contact.closure() + self.closures[i]);
-            stiffness += self.stiffness[i] - self.damper_stiffness[i];
+            stiffness += self.law_stiffness[i];
         }
         (force / area, closure / area, stiffness / area)
     }

@@ -4,12 +4,12 @@
 use std::sync::Arc;
 
 use crate::support::half_spaces::relative_norm;
-use crate::support::{DISC, every_law, pulse, rig, slope, three_bodies};
+use crate::support::{DISC, damped, every_law, pulse, rig, slope, three_bodies};
 use crate::variable_steps::{DURATION, PULL, block, exact};
 use asperity_dynamics::{
     Batch, DynamicsError, ManyContacts, Modal, ModalModel, Sampling, TransientCase,
 };
-use asperity_law::{ContactLaw, Power};
+use asperity_law::{ContactDamping, ContactLaw, Power};
 use asperity_mesh::{ComponentModes, NormalMode, Port, PortPair, ResidualFlexibility, Stack};
 use asperity_structure::{
     Damping, LoadCase, PreloadedStructure, TimeFunction, UnloadedContact, contacts_at_rest,
@@ -94,7 +94,7 @@ fn a_block_that_leaves_its_spring_moves_as_in_closed_form() {
 
 /// A rigid block of 2 kg on a row of `count` cells that hold it under a load off its centre, the outer
 /// ones apart at first.
-fn patch(count: usize) -> ManyContacts {
+fn patch(count: usize, damping: Option<ContactDamping>) -> ManyContacts {
     let (mass, length): (f64, f64) = (2.0, 0.1);
     let inertia = mass * length * length / 12.0;
     let place = |i: usize| length * ((i as f64 + 0.5) / count as f64 - 0.5);
@@ -115,7 +115,7 @@ fn patch(count: usize) -> ManyContacts {
         area: 1e-3 / count as f64,
         law: Arc::clone(&law),
         gap: 1e-5 * (2.0 * place(i) / length).powi(2),
-        damping: None,
+        damping,
     };
     let contacts: Vec<UnloadedContact> = (0..count).map(contact).collect();
     let at_rest = contacts_at_rest(&modes, &contacts, &[(count, 60.0)]).unwrap();
@@ -124,11 +124,20 @@ fn patch(count: usize) -> ManyContacts {
     ManyContacts::new(Arc::new(structure), count, vec![count]).unwrap()
 }
 
-/// Against the explicit classical method of fourth order on the same equations.
+/// Against the explicit classical method of fourth order on the same equations, without and with damping of the
+/// contacts.
 #[test]
 fn cells_open_and_close_as_by_an_explicit_method() {
+    let kelvin_voigt = ContactDamping::kelvin_voigt(2e-5).unwrap();
+    let power = ContactDamping::power(4e6, 1e5, 0.8).unwrap();
+    for damping in [None, Some(kelvin_voigt), Some(power)] {
+        against_the_explicit_method(damping);
+    }
+}
+
+fn against_the_explicit_method(damping: Option<ContactDamping>) {
     let count = 60;
-    let system = patch(count);
+    let system = patch(count, damping);
     let hit = LoadCase::force(TimeFunction::Haversine { duration: 1e-3 }, -150.0);
     let sampling = Sampling::new(5e-3, 1e5).unwrap();
     let structure = system.structure();
@@ -137,7 +146,13 @@ fn cells_open_and_close_as_by_an_explicit_method() {
         let mut force = [0, 1].map(|m| modes[m].ports[count] * hit.value(time) - 40.0 * v[m]);
         for (i, contact) in structure.contacts().iter().enumerate() {
             let x = modes[0].ports[i] * q[0] + modes[1].ports[i] * q[1];
-            let carried = contact.area() * (contact.pressure_at(x) - contact.pressure());
+            let rate = modes[0].ports[i] * v[0] + modes[1].ports[i] * v[1];
+            let pressure = contact.pressure_at(x);
+            let stiffness = contact.law().stiffness(pressure);
+            let damper = damping.filter(|_| pressure > 0.0);
+            let damper = damper.map_or(0.0, |damping| damping.coefficient(pressure, stiffness));
+            let traction = (pressure + damper * rate).max(0.0);
+            let carried = contact.area() * (traction - contact.pressure());
             for m in 0..2 {
                 force[m] -= modes[m].ports[i] * carried;
             }
@@ -175,17 +190,69 @@ fn cells_open_and_close_as_by_an_explicit_method() {
             let found = system.integrate(&hit, &sampling, parts).unwrap();
             let lost = found.contacts.iter().filter(|one| one.lost > 0.0).count();
             assert!(lost > 10 && found.contacts.iter().any(|one| one.lost < 5e-3));
+            let energy = found.energy;
+            assert!(parts < 16 || energy.residual_relative() < 1e-3, "{damping:?} {energy:?}");
             relative_norm(&found.history.sensors[0].displacement, &expected)
         })
         .collect();
     let order = slope(&[0.5, 0.25, 0.125, 0.0625], &errors);
-    assert!(order > 1.8 && errors[3] < 1e-4, "{order}: {errors:?}");
+    assert!(order > 1.8 && errors[3] < 1e-4, "{damping:?} {order}: {errors:?}");
+}
+
+/// Damped contacts against the kernel, contact held and lost.
+#[test]
+fn damped_bars_move_as_by_the_vector_kernel() {
+    let sampling = Sampling::new(4e-3, 2e5).unwrap();
+    let dampings = [
+        ContactDamping::kelvin_voigt(4e-6).unwrap(),
+        ContactDamping::power(3.4e6, 1.4e5, 0.0).unwrap(),
+        ContactDamping::power(3.4e6, 1.4e5, 1.5).unwrap(),
+    ];
+    let laws = every_law();
+    let chosen = ["unilateral constant", "power, m = 0.35", "exponential", "hyperbolic"];
+    for (name, law) in laws.iter().filter(|(name, _)| chosen.contains(name)) {
+        for damping in dampings {
+            for peak in [9.0, 60.0] {
+                let structure = reduced(&damped(&rig(law), damping), 6);
+                let system = ManyContacts::new(Arc::clone(&structure), 0, vec![0]).unwrap();
+                let found = system.integrate(&pulse(peak), &sampling, 64).unwrap();
+                let case = TransientCase {
+                    model: Arc::new(ModalModel::new((*structure).clone(), 0, &[0]).unwrap()),
+                    load: pulse(peak),
+                    sensor: 0,
+                    duration: 4e-3,
+                    step: Some(2.5e-7),
+                    tolerance: None,
+                };
+                let batch = Batch { instructions: Modal::default().instructions };
+                let expected = batch.transient(&case, &sampling).unwrap();
+                let name = format!("{name} {damping:?} {peak} N");
+                let lost = expected.contacts.iter().any(|one| one.lost > 0.0);
+                let [own, other] =
+                    [&found, &expected].map(|run| &run.history.sensors[0].displacement);
+                let off = relative_norm(own, other);
+                assert!(off < if lost { 3e-4 } else { 5e-6 }, "{name}: displacement {off:e}");
+                let pairs = found.history.interfaces.iter().zip(&expected.history.interfaces);
+                for (own, other) in pairs {
+                    let off = relative_norm(&own.pressure, &other.pressure);
+                    assert!(off < if lost { 5e-3 } else { 5e-6 }, "{name}: pressure {off:e}");
+                }
+                for (own, other) in found.contacts.iter().zip(&expected.contacts) {
+                    assert!((own.pressure_max / other.pressure_max - 1.0).abs() < 1e-5, "{name}");
+                    assert!((own.lost - other.lost).abs() < 2e-5, "{name}");
+                }
+                let loss = found.energy.dissipated / expected.energy.dissipated - 1.0;
+                assert!(loss.abs() < 3e-4, "{name}: loss {loss:e}");
+                assert!(found.energy.residual_relative() < 1e-6, "{name} {:?}", found.energy);
+            }
+        }
+    }
 }
 
 /// The vector kernel does not take contacts that are open at rest, and says so.
 #[test]
 fn open_contacts_are_refused_by_the_vector_kernel() {
-    let system = patch(8);
+    let system = patch(8, None);
     let error = ModalModel::new(system.structure().clone(), 8, &[8]).unwrap_err();
     assert!(matches!(error, DynamicsError::OpenAtRest { .. }), "{error}");
 }

@@ -1,6 +1,11 @@
 //! Reduction of sparse bodies against all modes of dense matrices.
 
-use asperity_mesh::{ComponentModes, PortPair, PortPattern, ReducedBody, SparseBody};
+use std::sync::Arc;
+
+use asperity_mesh::{
+    Body, BodyDamping, ComponentModes, Interface, Port, PortPair, PortPattern, ReducedBody,
+    SparseBody, Stack, Support,
+};
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, MatRef};
 
@@ -163,4 +168,67 @@ fn matrices_that_are_none_are_refused() {
     let body = SparseBody::new(stiffness, mass, Vec::new()).unwrap();
     assert!(ReducedBody::new(&body, &[vec![(k.nrows(), 1.0)]], 2).is_err());
     assert!(ReducedBody::new(&body, &[], 0).is_err());
+}
+
+/// A bar joined as a reduced body has the modes and the flexibility of the same bar in a stack, the sums of its ports
+/// too; and flexibility without any elastic mode kept keeps its retardation time.
+#[test]
+fn a_bar_reduces_to_its_modes_in_a_stack() {
+    let bar = Body::new("bar", 0.3, 2e-4, 70e9, 2700.0).unwrap();
+    let damped = bar.clone().with_damping(BodyDamping::kelvin_voigt(3e-6).unwrap());
+    let law = Arc::new(asperity_law::Constant::new(1e12).unwrap());
+    let contact = Interface::new("foot", 1e-4, law).unwrap();
+    let point = |position: f64| Port::Point { body: 0, position };
+    let places = [point(0.0), Port::Mean { body: 0 }, point(0.1), point(0.3)];
+    for (time, body) in [(0.0, bar.clone()), (3e-6, damped)] {
+        let stack = Stack::new(vec![body], vec![contact.clone()], Support::Rigid, 9.81).unwrap();
+        for count in [1, 4] {
+            let own = ComponentModes::with_counts(&stack, &[count], &places[..3]).unwrap();
+            let mut ports: Vec<_> = (0..4).map(|place| vec![(place, 1.0)]).collect();
+            ports.push(vec![(0, 2.0), (3, -1.0)]);
+            let reduced = ReducedBody::of_bar(&bar, &places, &ports, count).unwrap();
+            let numbers = [0, 1, 2, 3, 4];
+            let contacts = vec![PortPair::on_ground(3)];
+            let joined = ReducedBody::joined(&[(&reduced, &numbers)], 5, time, contacts).unwrap();
+            // Flexibility, and its retardation time, at 1e4 rad/s.
+            let receptance = |modes: &ComponentModes, a: &[f64], b: &[f64]| -> [f64; 2] {
+                let w: f64 = 1e4;
+                let along = |of: &[f64], weights: &[f64]| -> f64 {
+                    weights.iter().zip(of).map(|(weight, phi)| weight * phi).sum()
+                };
+                let mut sum = [0.0; 2];
+                for (i, x) in a.iter().enumerate() {
+                    let row = b.iter().enumerate();
+                    sum[0] += row.map(|(j, y)| x * y * modes.residual().get(i, j)).sum::<f64>();
+                }
+                for mode in modes.modes() {
+                    let inertia = if mode.massless { 0.0 } else { w * w };
+                    let stiffness = mode.angular_frequency.powi(2) - inertia;
+                    let loss = mode.damping_rate * w;
+                    let size = along(&mode.ports, a) * along(&mode.ports, b)
+                        / (stiffness * stiffness + loss * loss);
+                    sum[0] += size * stiffness;
+                    sum[1] -= size * loss;
+                }
+                sum
+            };
+            for (a, b) in [
+                ([1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]),
+                ([2.0, 0.0, 0.0, -1.0], [0.0, 1.0, 0.0, 1.0]),
+            ] {
+                let exact = receptance(&own, &a, &b);
+                let found = receptance(&joined, &a, &b);
+                for (found, exact) in found.iter().zip(exact) {
+                    assert!(
+                        (found - exact).abs() < 1e-12 * exact.abs() + 1e-24,
+                        "{found:e} {exact:e}"
+                    );
+                }
+            }
+            let combined =
+                receptance(&joined, &[0.0, 0.0, 0.0, 0.0, 1.0], &[0.0, 1.0, 0.0, 1.0, 0.0]);
+            let exact = receptance(&own, &[2.0, 0.0, 0.0, -1.0], &[0.0, 1.0, 0.0, 1.0]);
+            assert!((combined[0] / exact[0] - 1.0).abs() < 1e-12);
+        }
+    }
 }

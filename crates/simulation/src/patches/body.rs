@@ -7,7 +7,7 @@ use asperity_matrices::{
     SparseSymmetric,
 };
 use asperity_mesh::{PortPattern, SparseBody};
-use asperity_scenario::{MatricesFormatSpec, MatricesSpec, MatrixBodySpec, UnitsSpec};
+use asperity_scenario::{MatricesFormatSpec, MatricesSpec, StructureBodySpec, UnitsSpec};
 use asperity_structure::StructureError;
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 
@@ -23,7 +23,7 @@ pub(super) struct Body {
 
 /// The mesh of a body in metres, if it has one.
 pub(super) fn read_deck(
-    spec: &MatrixBodySpec,
+    spec: &StructureBodySpec,
     folder: &Path,
 ) -> Result<Option<Deck>, SimulationError> {
     let Some(file) = &spec.mesh else { return Ok(None) };
@@ -32,17 +32,18 @@ pub(super) fn read_deck(
     Ok(Some(deck))
 }
 
-fn units(spec: &MatrixBodySpec) -> Result<MatrixUnits, MatricesError> {
+fn units(spec: &StructureBodySpec) -> Result<MatrixUnits, MatricesError> {
     MatrixUnits::new(spec.units.length_m, spec.units.mass_kg, spec.units.time_s)
 }
 
 /// The reduced model of a body, if it is one.
 pub(super) fn read_model(
-    spec: &MatrixBodySpec,
+    spec: &StructureBodySpec,
     folder: &Path,
     place: &str,
 ) -> Result<Option<ReducedModel>, SimulationError> {
-    let MatricesSpec { format, stiffness, mass, rows } = &spec.matrices;
+    let Some(matrices) = &spec.matrices else { return Ok(None) };
+    let MatricesSpec { format, stiffness, mass, rows } = matrices;
     if *format != MatricesFormatSpec::Reduced {
         return Ok(None);
     }
@@ -66,15 +67,15 @@ impl Body {
         Ok(Self { name: name.to_owned(), matrices: model.matrices()?, weights: Default::default() })
     }
 
-    /// The body of the files of `spec`, under `gravity` along some axes, with `held` displacements.
+    /// The body of the `matrices` of `spec`, under `gravity` along some axes, with `held` displacements.
     pub(super) fn read(
-        spec: &MatrixBodySpec,
+        (spec, matrices): (&StructureBodySpec, &MatricesSpec),
         folder: &Path,
         deck: Option<&Deck>,
         gravity: [bool; 3],
         held: &[Dof],
     ) -> Result<Self, SimulationError> {
-        let MatrixBodySpec { name, matrices, .. } = spec;
+        let name = &spec.name;
         let format = match matrices.format {
             MatricesFormatSpec::Calculix => MatricesFormat::Calculix,
             MatricesFormatSpec::Abaqus => MatricesFormat::Abaqus,

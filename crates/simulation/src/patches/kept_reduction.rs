@@ -11,7 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use asperity_matrices::Dof;
-use asperity_mesh::{ReducedBody, ResidualFlexibility};
+use asperity_mesh::{ReducedBody, ResidualFlexibility, RowShapes};
 use asperity_scenario::{PatchSpec, StaticLoadSpec, StructureScenario, text_sha256};
 use faer::Mat;
 use serde_json::json;
@@ -24,8 +24,8 @@ pub const FOLDER: &str = ".asperity-reductions";
 /// Files of kept reductions and shapes of a folder; the oldest are removed.
 const MOST_KEPT: usize = 40;
 
-const MARK: &[u8; 8] = b"asprrd01";
-const SHAPES_MARK: &[u8; 8] = b"asprsh01";
+const MARK: &[u8; 8] = b"asprrd02";
+const SHAPES_MARK: &[u8; 8] = b"asprsh02";
 
 /// Name of the file of a reduction, from all that the reduction depends on.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,8 +46,8 @@ impl ReductionKey {
         };
         let cells: Vec<_> = interfaces
             .iter()
-            .map(|PatchSpec { body, cells, array, above, below, split, along, .. }| {
-                json!([body, cells, array, above, below, split, along])
+            .map(|PatchSpec { body, cells, array, above, below, split, along, area_m2, .. }| {
+                json!([body, cells, array, above, below, split, along, area_m2.is_some()])
             })
             .collect();
         let places: Vec<_> = scenario.sensors.iter().map(|sensor| &sensor.at).collect();
@@ -99,6 +99,22 @@ pub struct BodyShapes {
     pub dofs: Vec<Dof>,
     /// Shapes \[kg^-1/2\]: rows by modes.
     pub shapes: Mat<f64>,
+    /// Displacements of the modes left out per static force at each port of the body \[m/N\]: rows by ports. Without
+    /// columns where there would be too many numbers.
+    pub flexible: Mat<f64>,
+}
+
+/// Most numbers of the flexible shapes of a body that are kept.
+const MOST_FLEXIBLE: usize = 20_000_000;
+
+impl BodyShapes {
+    /// Shapes of a body, the flexible ones if they are not too many numbers.
+    pub fn new(dofs: Vec<Dof>, RowShapes { modes, flexible }: RowShapes) -> Self {
+        let rows = flexible.nrows();
+        let is_kept = rows.saturating_mul(flexible.ncols()) <= MOST_FLEXIBLE;
+        let flexible = if is_kept { flexible } else { Mat::zeros(rows, 0) };
+        Self { dofs, shapes: modes, flexible }
+    }
 }
 
 /// The kept shapes of `key`, if there are.
@@ -178,16 +194,19 @@ fn decoded(bytes: &[u8]) -> Option<Vec<ReducedBody>> {
 fn encoded_shapes(bodies: &[BodyShapes]) -> Vec<u8> {
     let mut bytes = SHAPES_MARK.to_vec();
     bytes.extend((bodies.len() as u64).to_le_bytes());
-    for BodyShapes { dofs, shapes } in bodies {
+    for BodyShapes { dofs, shapes, flexible } in bodies {
         bytes.extend((dofs.len() as u64).to_le_bytes());
         bytes.extend((shapes.ncols() as u64).to_le_bytes());
+        bytes.extend((flexible.ncols() as u64).to_le_bytes());
         for dof in dofs {
             bytes.extend(dof.node.to_le_bytes());
             bytes.extend(u64::from(dof.direction).to_le_bytes());
         }
-        for mode in 0..shapes.ncols() {
-            for row in 0..shapes.nrows() {
-                bytes.extend(shapes[(row, mode)].to_le_bytes());
+        for matrix in [shapes, flexible] {
+            for column in 0..matrix.ncols() {
+                for row in 0..matrix.nrows() {
+                    bytes.extend(matrix[(row, column)].to_le_bytes());
+                }
             }
         }
     }
@@ -205,15 +224,18 @@ fn decoded_shapes(bytes: &[u8]) -> Option<Vec<BodyShapes>> {
     let bodies = words.count()?;
     let mut found = Vec::new();
     for _ in 0..bodies {
-        let (rows, modes) = (words.count()?, words.count()?);
+        let (rows, modes, ports) = (words.count()?, words.count()?, words.count()?);
         let mut dofs = Vec::with_capacity(rows);
         for _ in 0..rows {
             let node = i64::from_le_bytes(words.next()?);
             dofs.push(Dof { node, direction: u64::from_le_bytes(words.next()?).try_into().ok()? });
         }
-        let values = words.numbers(rows.checked_mul(modes)?)?;
-        let shapes = Mat::from_fn(rows, modes, |row, mode| values[row + mode * rows]);
-        found.push(BodyShapes { dofs, shapes });
+        let mut matrix = |columns: usize| {
+            let values = words.numbers(rows.checked_mul(columns)?)?;
+            Some(Mat::from_fn(rows, columns, |row, column| values[row + column * rows]))
+        };
+        let (shapes, flexible) = (matrix(modes)?, matrix(ports)?);
+        found.push(BodyShapes { dofs, shapes, flexible });
     }
     words.0.is_empty().then_some(found)
 }
@@ -274,6 +296,7 @@ mod tests {
         let body = BodyShapes {
             dofs: vec![Dof::new(-3, 1), Dof::new(12, 3)],
             shapes: Mat::from_fn(2, 3, |row, mode| row as f64 - 0.1 * mode as f64),
+            flexible: Mat::from_fn(2, 2, |row, port| 1e-9 * (row + 3 * port) as f64),
         };
         let bodies = vec![body.clone(), body];
         let bytes = encoded_shapes(&bodies);

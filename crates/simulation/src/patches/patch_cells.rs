@@ -7,7 +7,7 @@ use asperity_matrices::{
     SurfaceCells,
 };
 use asperity_mesh::{PortPair, PortPattern};
-use asperity_scenario::{PatchSpec, SplitSpec, SurfaceSpec};
+use asperity_scenario::{PatchSpec, SideSpec, SplitSpec};
 
 use super::body::Body;
 use super::ports::{Patch, Ports};
@@ -17,9 +17,17 @@ use crate::error::SimulationError;
 const MOST_CELLS: usize = asperity_dynamics::MOST_CONTACTS;
 
 /// Cells of a patch, with polygons that cover them where they are known.
-struct Cells {
-    cells: Vec<ContactCell>,
+pub(super) struct Cells {
+    pub(super) cells: Vec<ContactCell>,
     outlines: Vec<Vec<Vec<[f64; 3]>>>,
+}
+
+impl Cells {
+    /// One cell of `area` \[m2\], whose place is not known.
+    pub(super) fn one(name: &str, area: f64) -> Self {
+        let cell = ContactCell { name: name.to_owned(), area_m2: area, weights: Vec::new() };
+        Self { cells: vec![cell], outlines: Vec::new() }
+    }
 }
 
 impl Ports<'_> {
@@ -31,7 +39,7 @@ impl Ports<'_> {
         folder: &Path,
     ) -> Result<(), SimulationError> {
         let place = format!("/interfaces/{number}");
-        let Cells { cells, outlines } = self.cells(patch, &place, folder)?;
+        let (Cells { cells, outlines }, pairs) = self.cells_and_pairs(patch, &place, folder)?;
         let first = self.map.pairs.len();
         if first + cells.len() > MOST_CELLS {
             let problem = format!("{} cells in all", first + cells.len());
@@ -44,11 +52,8 @@ impl Ports<'_> {
                 format!("at most {MOST_CELLS}; a grid such as \"split\": [12, 3] has few");
             return Err(SimulationError::model(&format!("{place}/{key}"), problem, accepted));
         }
-        for cell in &cells {
-            let pair = self.cell_pair(cell, patch, &place)?;
-            self.map.pairs.push(pair);
-            self.map.areas.push(cell.area_m2);
-        }
+        self.map.pairs.extend(pairs);
+        self.map.areas.extend(cells.iter().map(|cell| cell.area_m2));
         self.map.patches.push(Patch {
             name: patch.name.clone(),
             cells: first..self.map.pairs.len(),
@@ -56,6 +61,33 @@ impl Ports<'_> {
             outlines,
         });
         Ok(())
+    }
+
+    /// The cells of a patch, and the ports that each joins.
+    fn cells_and_pairs(
+        &mut self,
+        patch: &PatchSpec,
+        place: &str,
+        folder: &Path,
+    ) -> Result<(Cells, Vec<PortPair>), SimulationError> {
+        if let Some(area) = patch.area_m2 {
+            return self.place_contact(patch, area, place);
+        }
+        let end = |side: &Option<SideSpec>| side.as_ref().is_some_and(|side| side.end.is_some());
+        if end(&patch.above) || end(&patch.below) {
+            let (PatchSpec { cells: None, body: None, array: None, .. }, Some(above), Some(below)) =
+                (patch, &patch.above, &patch.below)
+            else {
+                let problem = "the contact of an end of a bar has no area";
+                let accepted = "\"area_m2\", or the other side with a \"surface\" or a \"set\"";
+                return Err(SimulationError::model(place, problem, accepted));
+            };
+            return self.end_contact(patch, (above, below), place);
+        }
+        let cells = self.cells(patch, place, folder)?;
+        let pairs = cells.cells.iter().map(|cell| self.cell_pair(cell, patch, place));
+        let pairs = pairs.collect::<Result<_, _>>()?;
+        Ok((cells, pairs))
     }
 
     /// The cells of a patch, from its file or between its surfaces, with polygons that cover them.
@@ -98,22 +130,37 @@ impl Ports<'_> {
                 return Err(SimulationError::model(place, problem, accepted));
             }
         };
+        let below = patch.below.as_ref();
+        let [above_at, below_at] = ["above", "below"].map(|key| format!("{place}/{key}"));
+        let below = below.map(|below| (below, below_at.as_str()));
+        Ok(self.surface_cells(patch, (above, &above_at), below)?.0)
+    }
+
+    /// Cells between surfaces, or of one on rigid ground, and the normal from the first to the second; each side with its place in
+    /// the scenario.
+    pub(super) fn surface_cells(
+        &self,
+        patch: &PatchSpec,
+        (above, above_at): (&SideSpec, &str),
+        below: Option<(&SideSpec, &str)>,
+    ) -> Result<(Cells, [f64; 3]), SimulationError> {
         let split = match patch.split {
             Some(SplitSpec::Grid(cells)) => PatchSplit::Grid { cells, along: patch.along },
             None | Some(SplitSpec::Faces(_)) if patch.along.is_none() => PatchSplit::Faces,
             _ => {
                 let problem = "a direction without a grid";
                 let accepted = "\"along\" beside \"split\": [columns, rows]";
-                return Err(SimulationError::model(&format!("{place}/along"), problem, accepted));
+                let parent = above_at.rsplit_once('/').map_or("", |(parent, _)| parent);
+                let at = format!("{parent}/along");
+                return Err(SimulationError::model(&at, problem, accepted));
             }
         };
-        let upper = self.surface(above, &format!("{place}/above"))?;
-        let lower = patch.below.as_ref();
-        let lower = lower.map(|side| self.surface(side, &format!("{place}/below"))).transpose()?;
-        let key = if lower.is_some() { "below" } else { "above" };
+        let upper = self.surface(above, above_at)?;
+        let lower = below.map(|(side, at)| self.surface(side, at)).transpose()?;
         let made = SurfaceCells::new(&upper, lower.as_ref(), split);
-        let SurfaceCells { cells, outlines, surface_areas_m2, .. } =
-            made.map_err(|error| at(&format!("{place}/{key}"), error))?;
+        let fault_at = below.map_or(above_at, |(_, below_at)| below_at);
+        let SurfaceCells { cells, outlines, surface_areas_m2, normal, .. } =
+            made.map_err(|error| at(fault_at, error))?;
         let area: f64 = cells.iter().map(|cell| cell.area_m2).sum();
         let [above, below] = surface_areas_m2;
         tracing::info!(
@@ -121,17 +168,21 @@ impl Ports<'_> {
             cells = cells.len(),
             "contact area {area:.6e} m2 of surfaces of {above:.6e} m2 and {below:.6e} m2"
         );
-        Ok(Cells { cells, outlines })
+        Ok((Cells { cells, outlines }, normal))
     }
 
     fn surface<'b>(
         &'b self,
-        side: &'b SurfaceSpec,
+        side: &'b SideSpec,
         place: &str,
     ) -> Result<ContactSurface<'b>, SimulationError> {
         let body = self.body(&side.body, &format!("{place}/body"))?;
         let deck = self.deck(body, &format!("{place}/body"))?;
         let (key, found) = match (&side.surface, &side.set) {
+            _ if side.node.is_some() || side.end.is_some() => {
+                let (problem, accepted) = ("the side has no area", "\"area_m2\" of the interface");
+                return Err(SimulationError::model(place, problem, accepted));
+            }
             (Some(name), None) => {
                 ("surface", ContactSurface::of_surface(deck, name, Some(&side.body)))
             }
@@ -161,7 +212,7 @@ impl Ports<'_> {
             })?;
             let body = self.body(name, &format!("{place}/body"))?;
             let row = |body: &Body| body.row(weight.dof, &format!("{place}/cells"));
-            let row = self.bodies.get(body).map(row).transpose()?.flatten();
+            let row = self.bodies[body].as_ref().map(row).transpose()?.flatten();
             let known = patterns.iter().position(|(own, _)| *own == body);
             let number = known.unwrap_or_else(|| {
                 patterns.push((body, PortPattern::new()));

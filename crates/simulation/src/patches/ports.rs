@@ -8,11 +8,12 @@ use asperity_law::{Constant, ContactDamping, ContactLaw, LawError};
 use asperity_matrices::{Deck, Dof, ReducedModel};
 use asperity_mesh::{PortPair, PortPattern};
 use asperity_scenario::{
-    Along, ExcitationSpec, MatrixBodySpec, PatchSpec, PlaceSpec, SpringSpec, StaticLoadSpec,
-    StructureScenario,
+    Along, ContactDampingSpec, ExcitationSpec, PatchSpec, PlaceSpec, SpringSpec, StaticLoadSpec,
+    StructureBodySpec, StructureScenario,
 };
 use asperity_structure::UnloadedContact;
 
+use super::bar::Bar;
 use super::body::{Body, read_deck, read_model, unit};
 use crate::error::SimulationError;
 use crate::shared_laws::shared_law;
@@ -65,7 +66,10 @@ pub(super) struct Ports<'a> {
     pub(super) decks: Vec<Option<Deck>>,
     /// The reduced model of each body that is one.
     models: Vec<Option<ReducedModel>>,
-    pub(super) bodies: Vec<Body>,
+    /// The bar of each body that is one.
+    pub(super) bars: Vec<Option<Bar>>,
+    /// Each body of matrices, where it was read.
+    pub(super) bodies: Vec<Option<Body>>,
     /// Body and pattern of each port.
     pub(super) patterns: Vec<(usize, PortPattern)>,
     /// Port of the motion of the base, which all bodies share: forces of an acceleration of 1 m/s2 on the rows of each
@@ -87,20 +91,23 @@ impl<'a> Ports<'a> {
             let mut sides = patches.flat_map(|patch| patch.above.iter().chain(&patch.below));
             sides.any(|side| side.body == name)
         };
-        let deck = |spec: &MatrixBodySpec| {
+        let deck = |spec: &StructureBodySpec| {
             if whole || is_side(&spec.name) { read_deck(spec, folder) } else { Ok(None) }
         };
         let decks = scenario.bodies.iter().map(deck).collect::<Result<Vec<_>, _>>()?;
-        let model = |(number, spec): (usize, &MatrixBodySpec)| {
+        let model = |(number, spec): (usize, &StructureBodySpec)| {
             read_model(spec, folder, &format!("/bodies/{number}"))
         };
         let models = scenario.bodies.iter().enumerate().map(model);
         let models = models.collect::<Result<Vec<_>, _>>()?;
+        let bar = |(number, spec)| Bar::of(spec, &format!("/bodies/{number}"));
+        let bars = scenario.bodies.iter().enumerate().map(bar).collect::<Result<Vec<_>, _>>()?;
         let mut ports = Self {
             names: scenario.bodies.iter().map(|body| body.name.as_str()).collect(),
             decks,
             models,
-            bodies: Vec::new(),
+            bars,
+            bodies: scenario.bodies.iter().map(|_| None).collect(),
             patterns: Vec::new(),
             base: None,
             map: PortMap::default(),
@@ -113,21 +120,23 @@ impl<'a> Ports<'a> {
             gravity[axis] != 0.0 || direction.is_some_and(|direction| direction[axis] != 0.0)
         });
         for ((number, spec), held) in scenario.bodies.iter().enumerate().zip(&held) {
-            let body = if let Some(model) = &ports.models[number] {
-                Body::of_model(&spec.name, model)?
-            } else {
-                let deck = ports.decks[number].as_ref();
-                Body::read(spec, folder, deck, pulled, held)?
+            ports.bodies[number] = match (&ports.models[number], &spec.matrices) {
+                (Some(model), _) => Some(Body::of_model(&spec.name, model)?),
+                (None, Some(matrices)) => {
+                    let deck = ports.decks[number].as_ref();
+                    Some(Body::read((spec, matrices), folder, deck, pulled, held)?)
+                }
+                (None, None) => None,
             };
-            ports.bodies.push(body);
         }
         for (number, patch) in scenario.interfaces.iter().enumerate() {
             ports.add_patch(patch, number, folder)?;
         }
         for body in 0..ports.names.len() {
             for (axis, _) in (0..).zip(scenario.gravity_m_per_s2).filter(|(_, g)| *g != 0.0) {
-                let weight = ports.bodies.get(body).map(|body| body.weights[axis].clone());
-                let port = ports.add(body, weight.unwrap_or_default());
+                let along = [0, 1, 2].map(|other| f64::from(u8::from(other == axis)));
+                let weight = ports.weight(body, along);
+                let port = ports.add(body, weight);
                 ports.map.weights.push((axis, port));
             }
         }
@@ -176,13 +185,37 @@ impl<'a> Ports<'a> {
     }
 
     /// Nodes of a set of a body.
-    fn set(&self, body: usize, set: &str, place: &str) -> Result<Vec<i64>, SimulationError> {
+    pub(super) fn set(
+        &self,
+        body: usize,
+        set: &str,
+        place: &str,
+    ) -> Result<Vec<i64>, SimulationError> {
         let place = format!("{place}/set");
         let nodes = self.deck(body, &place)?.node_set(set)?.to_vec();
         if nodes.is_empty() {
             return Err(SimulationError::model(&place, "the set has no nodes", "a set of nodes"));
         }
         Ok(nodes)
+    }
+
+    /// Mean displacement of nodes of a body along a direction.
+    pub(super) fn mean_along(
+        &self,
+        body: usize,
+        nodes: &[i64],
+        direction: [f64; 3],
+        place: &str,
+    ) -> Result<PortPattern, SimulationError> {
+        let mut pattern = PortPattern::new();
+        let share = 1.0 / nodes.len() as f64;
+        if let Some(body) = &self.bodies[body] {
+            for &node in nodes {
+                let rows = body.along(node, direction, place)?;
+                pattern.extend(rows.into_iter().map(|(row, part)| (row, share * part)));
+            }
+        }
+        Ok(pattern)
     }
 
     /// Numbers of the ports of a body.
@@ -200,6 +233,22 @@ impl<'a> Ports<'a> {
         }
     }
 
+    /// Forces on the rows of a body of an acceleration of 1 m/s2 along `direction`, on whose axes the weights of bodies were
+    /// read \[kg\].
+    fn weight(&mut self, body: usize, direction: [f64; 3]) -> PortPattern {
+        match (&mut self.bars[body], &self.bodies[body]) {
+            (Some(bar), _) => bar.weight(direction),
+            (None, Some(body)) => {
+                let axes = body.weights.iter().zip(direction).filter(|(_, part)| *part != 0.0);
+                let parts = axes.flat_map(|(weight, part)| {
+                    weight.iter().map(move |&(row, mass)| (row, part * mass))
+                });
+                parts.collect()
+            }
+            (None, None) => PortPattern::new(),
+        }
+    }
+
     /// The port of a motion of the base along a direction of unit length: the load is its acceleration, which acts
     /// on all bodies against it.
     fn add_base(&mut self, direction: [f64; 3]) -> Result<usize, SimulationError> {
@@ -208,14 +257,8 @@ impl<'a> Ports<'a> {
             let accepted = "a motion of the base with bodies of matrices alone";
             return Err(SimulationError::model("/excitation/kind", problem, accepted));
         }
-        let pattern = |body: &Body| {
-            let axes = body.weights.iter().zip(direction);
-            let parts = axes.flat_map(|(weight, part)| {
-                weight.iter().map(move |&(row, mass)| (row, -part * mass))
-            });
-            parts.collect()
-        };
-        let patterns = self.bodies.iter().map(pattern).collect();
+        let back = direction.map(|part| -part);
+        let patterns = (0..self.names.len()).map(|body| self.weight(body, back)).collect();
         // A number that no body has.
         let port = self.add(self.names.len(), PortPattern::new());
         self.base = Some((port, patterns));
@@ -244,10 +287,16 @@ impl<'a> Ports<'a> {
 
     fn add_place(&mut self, at: &PlaceSpec, place: &str) -> Result<usize, SimulationError> {
         let body = self.body(&at.body, &format!("{place}/body"))?;
+        if let Some(bar) = &mut self.bars[body] {
+            let pattern = bar.at(at).map_err(|error| {
+                SimulationError::model(place, error.to_string(), "an end or a position of the bar")
+            })?;
+            return Ok(self.add(body, pattern));
+        }
         let pattern = match at.along {
             Along::Node { node, direction } if self.models[body].is_none() => {
                 let along = |body: &Body| body.along(node, direction, place);
-                self.bodies.get(body).map(along).transpose()?.unwrap_or_default()
+                self.bodies[body].as_ref().map(along).transpose()?.unwrap_or_default()
             }
             Along::Response(response) => {
                 let responses = &self.model(&at.body, &format!("{place}/body"))?.responses;
@@ -264,8 +313,7 @@ impl<'a> Ports<'a> {
             }
             _ => {
                 let problem = "the place is none of this body";
-                let accepted =
-                    "node and direction of a body of matrices, or response of a reduced model";
+                let accepted = "node and direction of a body of matrices, response of a reduced model, or end or position_m of a bar";
                 return Err(SimulationError::model(place, problem, accepted));
             }
         };
@@ -297,8 +345,8 @@ impl<'a> Ports<'a> {
                     accepted,
                 ));
             };
-            if self.models[body].is_some() {
-                let problem = "a reduced model has no nodes";
+            if self.models[body].is_some() || self.bars[body].is_some() {
+                let problem = "reduced models and bars have no nodes";
                 return Err(SimulationError::model(&place, problem, "a body of matrices"));
             }
             match (spec.node, &spec.set) {
@@ -333,7 +381,6 @@ impl<'a> Ports<'a> {
     ) -> Result<(), SimulationError> {
         let place = format!("/loads/{number}");
         let body = self.body(&load.body, &format!("{place}/body"))?;
-        let owner = body;
         let pattern = match load {
             StaticLoadSpec {
                 array: Some(_),
@@ -341,6 +388,7 @@ impl<'a> Ports<'a> {
                 file: None,
                 node: None,
                 set: None,
+                end: None,
                 direction: None,
                 force_n: None,
                 ..
@@ -354,6 +402,7 @@ impl<'a> Ports<'a> {
                 factor: _,
                 node: None,
                 set: None,
+                end: None,
                 direction: None,
                 force_n: None,
                 ..
@@ -371,7 +420,7 @@ impl<'a> Ports<'a> {
                     }
                     Ok::<_, SimulationError>(pattern)
                 };
-                self.bodies.get(body).map(read).transpose()?.unwrap_or_default()
+                self.bodies[body].as_ref().map(read).transpose()?.unwrap_or_default()
             }
             StaticLoadSpec {
                 file: None,
@@ -381,27 +430,35 @@ impl<'a> Ports<'a> {
                 force_n: Some(_),
                 node,
                 set,
+                end: None,
                 ..
             } if node.is_some() != set.is_some() => {
-                let spread = |body: &Body| {
-                    let nodes = match (node, set) {
-                        (Some(node), _) => vec![*node],
-                        (None, set) => {
-                            self.set(owner, set.as_deref().unwrap_or_default(), &place)?
-                        }
-                    };
-                    let share = 1.0 / nodes.len() as f64;
-                    let mut pattern = PortPattern::new();
-                    for &node in &nodes {
-                        let rows = body.along(node, *direction, &place)?;
-                        pattern.extend(rows.into_iter().map(|(row, part)| (row, share * part)));
+                let nodes = match (node, set) {
+                    (Some(node), _) => vec![*node],
+                    // A set is read where its body was.
+                    (None, set) if self.bodies[body].is_some() => {
+                        self.set(body, set.as_deref().unwrap_or_default(), &place)?
                     }
-                    Ok::<_, SimulationError>(pattern)
+                    _ => Vec::new(),
                 };
-                self.bodies.get(body).map(spread).transpose()?.unwrap_or_default()
+                self.mean_along(body, &nodes, *direction, &place)?
+            }
+            StaticLoadSpec {
+                end: Some(end),
+                force_n: Some(_),
+                file: None,
+                array: None,
+                factor: None,
+                node: None,
+                set: None,
+                direction: None,
+                ..
+            } => {
+                let bar = self.bars[body].as_mut().ok_or_else(|| no_bar(&load.body, &place))?;
+                bar.at(&PlaceSpec { body: load.body.clone(), along: Along::End(*end) })?
             }
             _ => {
-                let accepted = "\"file\" or \"array\" with or without \"factor\", or \"node\" or \"set\" with \"direction\" and \"force_n\"";
+                let accepted = "\"file\" or \"array\" with or without \"factor\", \"node\" or \"set\" with \"direction\" and \"force_n\", or \"end\" of a bar with \"force_n\"";
                 return Err(SimulationError::model(
                     &place,
                     "the load is given twice or not at all",
@@ -424,12 +481,17 @@ impl PortMap {
         let mut contacts = Vec::with_capacity(self.pairs.len());
         for (number, (spec, patch)) in scenario.interfaces.iter().zip(&self.patches).enumerate() {
             let law = law(scenario, spec, number)?;
+            let damping = spec.damping.map(ContactDampingSpec::build).transpose();
+            let damping = damping.map_err(|source| SimulationError::ContactDamping {
+                interface: spec.name.clone(),
+                source,
+            })?;
             let cell = |(name, contact): (&String, usize)| UnloadedContact {
                 name: format!("{}, cell {name}", spec.name),
-                area: self.areas[contact],
+                area: spec.area_m2.unwrap_or(self.areas[contact]),
                 law: Arc::clone(&law),
                 gap: spec.initial_gap_m,
-                damping: None,
+                damping,
             };
             contacts.extend(patch.cell_names.iter().zip(patch.cells.clone()).map(cell));
         }
@@ -447,6 +509,12 @@ impl PortMap {
         let others = self.loads.iter().zip(&scenario.loads);
         weights.chain(others.map(|(&port, load)| (port, size(load)))).collect()
     }
+}
+
+/// The error of an end of a body that is no bar.
+pub(super) fn no_bar(body: &str, place: &str) -> SimulationError {
+    let problem = format!("body \"{body}\" is no bar");
+    SimulationError::model(&format!("{place}/end"), problem, "an end of a bar")
 }
 
 /// Direction of a motion of the base, of unit length; none for a force.

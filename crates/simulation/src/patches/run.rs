@@ -61,8 +61,19 @@ pub struct PatchSummary {
     pub summary: Summary,
     /// The cells of each interface.
     pub cells: Vec<CellCounts>,
+    /// Displacement of each sensor at rest by all loads.
+    pub static_displacements: Vec<StaticDisplacement>,
     /// The modes kept.
     pub truncation: Truncation,
+}
+
+/// Displacement of a sensor at rest.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StaticDisplacement {
+    /// Name of the sensor.
+    pub sensor: String,
+    /// Displacement along its direction \[m\]; motions that nothing holds stay out.
+    pub displacement_m: f64,
 }
 
 /// Cells of an interface in numbers.
@@ -112,7 +123,13 @@ impl PatchRun {
     pub fn summary(&self) -> PatchSummary {
         let structure = &self.run.assembly.structure;
         let counts = structure.patches.iter().zip(&self.cells);
+        let sensors = self.run.assembly.sensors.iter().zip(&structure.static_displacements);
+        let displacement = |(sensor, &displacement_m): (&crate::assemble::Sensor, &f64)| {
+            let sensor = sensor.name.clone().unwrap_or_default();
+            StaticDisplacement { sensor, displacement_m }
+        };
         PatchSummary {
+            static_displacements: sensors.map(displacement).collect(),
             summary: self.run.summary.clone(),
             cells: counts.map(|(patch, cells)| CellCounts::new(&patch.name, cells)).collect(),
             truncation: Truncation {

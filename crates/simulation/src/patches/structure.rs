@@ -4,12 +4,16 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::{Integrator, Sampling};
-use asperity_mesh::{ComponentModes, Port, PortPattern, ReducedBody};
-use asperity_scenario::{Along, DampingSpec, SensorSpec, StructureScenario};
-use asperity_structure::{PreloadedContact, PreloadedStructure, StructureError, contacts_at_rest};
+use asperity_mesh::{ComponentModes, Port, PortPattern, ReducedBody, RowShapes};
+use asperity_scenario::{Along, DampingSpec, SensorSpec, StructureBodySpec, StructureScenario};
+use asperity_structure::{
+    PreloadedContact, PreloadedStructure, StaticState, StructureError, static_state,
+};
+use faer::Mat;
 use tracing::info_span;
 
-use super::body::{Body, unit};
+use super::bar::{axis, dot};
+use super::body::unit;
 use super::kept_reduction::{self, BodyShapes, FOLDER, ReductionKey};
 use super::ports::{Patch, PortMap, Ports, base_direction};
 use crate::assemble::{Assembly, DEFAULT_ACCURACY, Interfaces, Sensor, load_case_at};
@@ -33,6 +37,18 @@ pub struct PatchStructure {
     pub modes_per_body: Vec<usize>,
     /// Number of motions without stiffness before contact, of each body.
     pub rigid_motions: Vec<usize>,
+    /// Static displacement of each sensor by all loads \[m\].
+    pub static_displacements: Vec<f64>,
+    pub(super) static_motion: StaticMotion,
+    /// Ports of each body.
+    pub(super) own_ports: Vec<Vec<usize>>,
+}
+
+/// The rest as a motion: displacements of the modes kept \[m kg^1/2\], and forces at all ports \[N\].
+#[derive(Debug, Clone)]
+pub(super) struct StaticMotion {
+    pub(super) coordinates: Vec<f64>,
+    pub(super) port_forces: Vec<f64>,
 }
 
 impl Interfaces for PatchStructure {
@@ -139,8 +155,13 @@ impl ReducedStructure {
             bodies.iter().zip(own).map(|(body, own)| (body, own.as_slice())).collect();
         let modes = ReducedBody::joined(&joined, count, time, ports.pairs.clone());
         let modes = modes.map_err(StructureError::from)?;
-        let contacts =
-            contacts_at_rest(&modes, &ports.contacts(scenario)?, &ports.loads(scenario))?;
+        let state = static_state(&modes, &ports.contacts(scenario)?, &ports.loads(scenario))?;
+        let displacement = |&port: &usize| state.displacement(&modes, port);
+        let static_displacements = ports.sensors.iter().map(displacement).collect();
+        let StaticState { contacts, coordinates, port_forces } = state;
+        let inert = modes.modes().iter().zip(coordinates).filter(|(mode, _)| !mode.massless);
+        let static_motion =
+            StaticMotion { coordinates: inert.map(|(_, q)| q).collect(), port_forces };
         let modes_per_body = bodies.iter().map(|body| body.angular_frequencies.len()).collect();
         let rigid_motions = bodies.iter().map(ReducedBody::rigid_count).collect();
         let structure = PreloadedStructure::of_components(modes, contacts, damping)?;
@@ -153,13 +174,16 @@ impl ReducedStructure {
             sensors: ports.sensors.clone(),
             modes_per_body,
             rigid_motions,
+            static_displacements,
+            static_motion,
+            own_ports: own.clone(),
         };
         let direction = base_direction(scenario)?;
         let named = |(spec, &port): (&SensorSpec, &usize)| Sensor {
             name: Some(spec.name.clone()),
             port: Port::Number(port),
             kind: spec.kind,
-            base_share: direction.map_or(0.0, |direction| share(spec, direction)),
+            base_share: direction.map_or(0.0, |direction| share(scenario, spec, direction)),
         };
         Ok(Assembly {
             load: load_case_at(&scenario.excitation, Port::Number(structure.load), folder)?,
@@ -230,18 +254,30 @@ pub(super) fn reduced<'a>(
 ) -> Result<(Ports<'a>, Vec<ReducedBody>, Vec<BodyShapes>), SimulationError> {
     let read = info_span!("read matrices");
     let ports = read.in_scope(|| Ports::read(scenario, folder, true))?;
-    let reduce = |(number, body): (usize, &Body)| {
+    let reduce = |(number, spec): (usize, &StructureBodySpec)| {
         let own = ports.of(number).into_iter();
         let patterns: Vec<PortPattern> = own.map(|port| ports.pattern(port, number)).collect();
+        let modes = spec.reduction.modes;
+        if let Some(bar) = &ports.bars[number] {
+            let reduced = bar.reduced(&patterns, modes)?;
+            let modes = Mat::zeros(0, reduced.angular_frequencies.len());
+            let flexible = Mat::zeros(0, patterns.len());
+            let shapes = BodyShapes::new(Vec::new(), RowShapes { modes, flexible });
+            return Ok((reduced, shapes));
+        }
+        let Some(body) = &ports.bodies[number] else {
+            let place = format!("/bodies/{number}");
+            return Err(SimulationError::model(&place, "the body is missing", "\"matrices\""));
+        };
         let dofs = body.matrices.dofs().to_vec();
         let body = body.sparse(ports.decks[number].as_ref())?;
-        let modes = scenario.bodies[number].reduction.modes;
         let (reduced, shapes) =
             ReducedBody::with_shapes(&body, &patterns, modes).map_err(StructureError::from)?;
-        Ok::<_, SimulationError>((reduced, BodyShapes { dofs, shapes }))
+        Ok((reduced, BodyShapes::new(dofs, shapes)))
     };
     let (made, shapes): (Vec<_>, Vec<_>) = info_span!("reduce").in_scope(|| {
-        let all = ports.bodies.iter().enumerate().map(reduce).collect::<Result<Vec<_>, _>>()?;
+        let all = scenario.bodies.iter().enumerate().map(reduce);
+        let all = all.collect::<Result<Vec<_>, SimulationError>>()?;
         Ok::<_, SimulationError>(all.into_iter().unzip())
     })?;
     kept_reduction::keep(folder, key, &made);
@@ -261,11 +297,14 @@ fn whole(
 }
 
 /// Cosine of the angle between the direction of a sensor and one of unit length.
-fn share(sensor: &SensorSpec, direction: [f64; 3]) -> f64 {
-    match sensor.at.as_ref().map(|at| &at.along) {
-        Some(Along::Node { direction: own, .. }) => {
-            unit(*own).map_or(0.0, |own| own.iter().zip(direction).map(|(a, b)| a * b).sum())
+fn share(scenario: &StructureScenario, sensor: &SensorSpec, direction: [f64; 3]) -> f64 {
+    let Some(at) = &sensor.at else { return 0.0 };
+    let own = match at.along {
+        Along::Node { direction, .. } => unit(direction),
+        Along::End(_) | Along::PositionM(_) => {
+            scenario.bodies.iter().find(|body| body.name == at.body).and_then(axis)
         }
-        _ => 0.0,
-    }
+        Along::Response(_) => None,
+    };
+    own.map_or(0.0, |own| dot(own, direction))
 }
