@@ -164,9 +164,9 @@ fn times_some<const N: usize>(
     let size = vectors.nrows();
     let count = N.min(vectors.ncols() - first);
     let (mut from, mut into) = (vec![[0.0; N]; size], vec![[0.0; N]; size]);
-    for k in 0..count {
-        for (row, value) in vectors.col(first + k).iter().enumerate() {
-            from[row][k] = *value;
+    for (row, values) in from.iter_mut().enumerate() {
+        for (k, value) in values.iter_mut().enumerate().take(count) {
+            *value = vectors[(row, first + k)];
         }
     }
     for column in 0..size {
