@@ -15,7 +15,7 @@ use crate::problem::{CandidateSpec, DataSpec, ParameterSpec};
 use crate::problem_parameters::{ProblemParameters, is_within};
 use crate::scenario_laws::{no_law, unnamed_law};
 use crate::scenario_model::ScenarioModel;
-use asperity_scenario::{JsonPointer, has_matrices};
+use asperity_scenario::{JsonPointer, has_matrices, with_absolute_files};
 use asperity_simulation::observable_extractor::ObservableExtractor;
 
 impl IdentificationProblem {
@@ -60,6 +60,16 @@ impl IdentificationProblem {
         let mut scenario = self.scenario.clone();
         parameters.write(&mut scenario, point)?;
         Ok(scenario)
+    }
+
+    /// [`scenario_at`](Self::scenario_at) with absolute names of files.
+    pub(super) fn scenario_for_any_folder(
+        &self,
+        unknowns: &[ParameterSpec],
+        point: &[f64],
+    ) -> Result<Value, IdentificationError> {
+        let scenario = self.scenario_at(unknowns, point)?;
+        Ok(with_absolute_files(scenario, self.scenario_folder()))
     }
 
     /// Pointers to the values of the scenario that these parameters change, and those values at each

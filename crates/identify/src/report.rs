@@ -235,7 +235,7 @@ impl Identification {
         serde_json::to_value(self.laws.get(&self.law.name)?).ok()
     }
 
-    /// The scenario at the best fit.
+    /// The scenario at the best fit, with absolute names of its files.
     ///
     /// # Errors
     /// [`IdentificationError`] as for the problem itself.
@@ -243,7 +243,7 @@ impl Identification {
         &self,
         problem: &IdentificationProblem,
     ) -> Result<Value, IdentificationError> {
-        problem.scenario_at(&self.unknowns, &self.fit.point)
+        problem.scenario_for_any_folder(&self.unknowns, &self.fit.point)
     }
 
     /// `draws.json`: the draws of the posterior as changes of the scenario, for predictions by
@@ -391,7 +391,7 @@ impl IncompleteIdentification {
         serde_json::to_value(self.laws.get(&self.law)?).ok()
     }
 
-    /// The scenario at the best fit so far.
+    /// The scenario at the best fit so far, with absolute names of its files.
     ///
     /// # Errors
     /// [`IdentificationError`] as for the problem itself.
@@ -399,7 +399,7 @@ impl IncompleteIdentification {
         &self,
         problem: &IdentificationProblem,
     ) -> Result<Value, IdentificationError> {
-        problem.scenario_at(&problem.with_pressures()?.spec.unknowns, &self.fit.point)
+        problem.scenario_for_any_folder(&problem.with_pressures()?.spec.unknowns, &self.fit.point)
     }
 }
 

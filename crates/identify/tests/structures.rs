@@ -12,11 +12,16 @@ mod lattice;
 #[path = "support/twin.rs"]
 mod twin;
 
+use std::fmt::Write as _;
+use std::fs;
 use std::path::Path;
 
+use asperity_experiment::{AnalysisOptions, FrequencyBand, ResponseChoice, analyse};
 use asperity_identify::{Identification, IdentificationProblem, Usability, identify};
+use asperity_measure::{Format, ReadOptions, WriteOptions};
 use asperity_scenario::Document;
-use lattice::Lattice;
+use asperity_simulation::patches::assemble_patches;
+use lattice::{Lattice, RATE_HZ};
 use serde_json::{Value, json};
 use twin::{Noise, is_long};
 
@@ -62,7 +67,10 @@ fn problem(lattice: &Lattice, folder: &Path, law: &Value, more: &Value) -> Ident
         "draws": 100,
     });
     for (key, value) in more.as_object().into_iter().flatten() {
-        problem[key] = value.clone();
+        match key.strip_prefix("scenario/") {
+            Some(key) => problem["scenario"][key] = value.clone(),
+            None => problem[key] = value.clone(),
+        }
     }
     let path = folder.join("problem.json");
     IdentificationProblem::of(Document::parse(&problem.to_string(), path).unwrap()).unwrap()
@@ -150,4 +158,89 @@ fn parameters_of_a_structure_leave_its_reduction() {
     let more = json!({"unknowns": power_law(), "data": data("corner:fundamental.frequency_hz")});
     let found = words(&more);
     assert!(found.contains("1 observations"), "{found}");
+}
+
+/// A hit as a record in two formats, as its receptance and as its analysis: each gives back the law within what it
+/// measures. The saved scenario finds its files from its own folder.
+#[test]
+fn every_kind_of_data_gives_back_the_law_of_a_structure() {
+    let (lattice, folder) = (Lattice::new(), tempfile::tempdir().unwrap());
+    let (forces, motion) = lattice.motion(TRUTH, PRELOADS[0], 12.0, 0.08);
+    let before = 600;
+    let mut text = String::from("time_s,hammer (N),top (m)\n");
+    let silence = std::iter::repeat_n((0.0, 0.0), before);
+    let samples = silence.chain(forces.iter().copied().zip(motion.iter().copied()));
+    for (sample, (force, motion)) in samples.enumerate() {
+        writeln!(text, "{:.7},{force:.9e},{motion:.9e}", sample as f64 / RATE_HZ).unwrap();
+    }
+    fs::write(folder.path().join("hit.csv"), text).unwrap();
+    let read =
+        asperity_measure::read(&folder.path().join("hit.csv"), &ReadOptions::default()).unwrap();
+    let universal = folder.path().join("hit.uff");
+    asperity_measure::write(
+        &universal,
+        &read.records,
+        Format::UniversalBinary,
+        &WriteOptions::default(),
+    )
+    .unwrap();
+    let analysed = AnalysisOptions {
+        responses: ResponseChoice::of(&["top".into()]),
+        band_hz: Some(FrequencyBand { low_hz: 300.0, high_hz: 1500.0 }),
+        ..AnalysisOptions::default()
+    };
+    let analysis = analyse(&[universal], &analysed).unwrap();
+    let analysis = serde_json::to_value(&analysis.responses[0].report).unwrap();
+    let frequencies: Vec<f64> = (0..40).map(|i| 500.0 + 20.0 * f64::from(i)).collect();
+    let lines: Vec<[f64; 2]> =
+        frequencies.iter().map(|&f| Lattice::receptance(&forces, &motion, f)).collect();
+    let parts = [0, 1].map(|part| lines.iter().map(|line| line[part]).collect::<Vec<f64>>());
+    let table =
+        json!({"frequency_hz": frequencies, "real_m_per_n": parts[0], "imag_m_per_n": parts[1]});
+    let spread = json!({"relative": 2e-3});
+    let floor = json!({"fundamental.frequency_hz": {"relative": 3e-4}, "fundamental.receptance_m_per_n": {"relative": 5e-3},
+                       "harmonic_ratio": {"relative": 2e-2}});
+    let kinds = [
+        json!({"kind": "records", "files": ["hit.csv"], "response": "top", "band_hz": [500, 1300], "spread": spread}),
+        json!({"kind": "records", "files": ["hit.uff"], "response": "top", "band_hz": [500, 1300], "spread": spread}),
+        json!({"kind": "frf", "file": table, "hit": {"force_peak_n": 12}, "band_hz": [500, 1300], "spread": spread}),
+        json!({"kind": "analysis", "file": analysis, "floor": floor}),
+    ];
+    let unknown = json!([{"kind": "scalar", "pointer": "/laws/rough/coefficient", "bounds": [6e7, 2.5e8], "start": 1.35e8}]);
+    for data in kinds {
+        let more = json!({"unknowns": unknown, "data": [data], "scenario/duration_s": 0.08});
+        let problem = problem(&lattice, folder.path(), &power(2e8, TRUTH[1]), &more).fast();
+        let found = identify(&problem).unwrap();
+        let off = found.fit.point[0] / TRUTH[0] - 1.0;
+        assert!(off.abs() < 1e-3 && found.explains(), "{}: {off:e}", data["kind"]);
+        let saved = found.scenario_json(&problem).unwrap();
+        let elsewhere = tempfile::tempdir().unwrap();
+        let saved =
+            Document::parse(&saved.to_string(), elsewhere.path().join("scenario.json")).unwrap();
+        let scenario = saved.structure_scenario().unwrap();
+        assemble_patches(&scenario, saved.folder()).unwrap();
+    }
+}
+
+/// A law as a table of four points, and every night one without an assumed form, carried to their ends with the data of the power
+/// law: the truth is inside the bands.
+#[test]
+fn tables_and_free_laws_of_a_structure_are_identified() {
+    let (lattice, folder) = (Lattice::new(), tempfile::tempdir().unwrap());
+    let stiffness = |pressure: f64| 0.8 * TRUTH[0] * pressure.powf(TRUTH[1]);
+    let pressures = [3e4, 8e4, 1.6e5, 3.2e5];
+    let points: Vec<[f64; 2]> = pressures.iter().map(|&p| [p, stiffness(p)]).collect();
+    let table = json!({"kind": "table", "points": points});
+    let mut cases = vec![(table, json!([{"kind": "monotone_law", "law": "rough"}]))];
+    if is_long() {
+        cases.push((power(1e8, 0.5), json!([{"kind": "free_law", "law": "rough", "points": 10}])));
+    }
+    for (law, unknowns) in cases {
+        let more = json!({"unknowns": unknowns, "data": measured(&lattice, 1)});
+        let found = identify(&problem(&lattice, folder.path(), &law, &more).fast()).unwrap();
+        let (inside, informed) = coverage(&found);
+        assert!(informed > 5 && inside == informed, "{inside} of {informed}");
+        // Whether the sampler has converged is another matter: 100 draws are few for four parameters.
+        assert!(found.explains(), "{:?}", found.goodness);
+    }
 }

@@ -137,25 +137,59 @@ pub(crate) fn entries(
     rows.copied().zip(matrix.val_of_col(column).iter().copied())
 }
 
+/// Columns that are multiplied at once: the entries of the matrix are read from memory once for all of them.
+const AT_ONCE: usize = 8;
+
 /// The symmetric matrix with the lower triangle `lower` times the columns of `vectors`.
 fn times(lower: SparseColMatRef<'_, usize, f64>, vectors: MatRef<'_, f64>) -> Mat<f64> {
     let mut product = Mat::zeros(vectors.nrows(), vectors.ncols());
-    for k in 0..vectors.ncols() {
-        let from: Vec<f64> = vectors.col(k).iter().copied().collect();
-        let mut into = vec![0.0; from.len()];
-        for (column, &at) in from.iter().enumerate() {
-            let mut sum = 0.0;
-            for (row, value) in entries(lower, column) {
-                if row != column {
-                    sum += value * from[row];
-                }
-                into[row] += value * at;
-            }
-            into[column] += sum;
-        }
-        for (row, value) in into.into_iter().enumerate() {
-            product[(row, k)] = value;
-        }
+    let mut first = 0;
+    while first < vectors.ncols() {
+        first += if vectors.ncols() - first > 1 {
+            times_some::<AT_ONCE>(lower, vectors, first, &mut product)
+        } else {
+            times_some::<1>(lower, vectors, first, &mut product)
+        };
     }
     product
+}
+
+/// Writes the product with `N` columns from `first` on, or as many as there are, into `product`; gives their number.
+fn times_some<const N: usize>(
+    lower: SparseColMatRef<'_, usize, f64>,
+    vectors: MatRef<'_, f64>,
+    first: usize,
+    product: &mut Mat<f64>,
+) -> usize {
+    let size = vectors.nrows();
+    let count = N.min(vectors.ncols() - first);
+    let (mut from, mut into) = (vec![[0.0; N]; size], vec![[0.0; N]; size]);
+    for (row, values) in from.iter_mut().enumerate() {
+        for (k, value) in values.iter_mut().enumerate().take(count) {
+            *value = vectors[(row, first + k)];
+        }
+    }
+    for column in 0..size {
+        let at = from[column];
+        let mut sums = [0.0; N];
+        for (row, value) in entries(lower, column) {
+            if row != column {
+                for (sum, x) in sums.iter_mut().zip(&from[row]) {
+                    *sum += value * x;
+                }
+            }
+            for (y, x) in into[row].iter_mut().zip(&at) {
+                *y += value * x;
+            }
+        }
+        for (y, sum) in into[column].iter_mut().zip(&sums) {
+            *y += sum;
+        }
+    }
+    for k in 0..count {
+        for (row, values) in into.iter().enumerate() {
+            product[(row, first + k)] = values[k];
+        }
+    }
+    count
 }

@@ -29,6 +29,9 @@ const PULSE: f64 = 6e-4;
 const STEP: f64 = 2e-6;
 const EVERY: usize = 5;
 
+/// Rate of the samples \[Hz\].
+pub const RATE_HZ: f64 = 1.0 / (STEP * EVERY as f64);
+
 /// Nodes of the force and of the sensor, and of the static load, which is off centre.
 const HIT: usize = node(2, ROWS - 1);
 const LOAD: usize = node(3, ROWS - 1);
@@ -112,9 +115,51 @@ impl Lattice {
         })
     }
 
-    /// f1 \[Hz\] and A1 \[m/N\] of a hit of this peak \[N\] under a preload \[N\], with the law `K = C p^m`: all rows by
-    /// Runge-Kutta steps, the peak of the receptance by a search over its transform.
+    /// f1 \[Hz\] and A1 \[m/N\] of a hit of this peak \[N\] under a preload \[N\], with the law `K = C p^m`: the peak of the
+    /// receptance by a search over its transform.
     pub fn hit(&self, law: [f64; 2], preload: f64, peak: f64) -> [f64; 2] {
+        let (forces, motion) = self.motion(law, preload, peak, DURATION);
+        let receptance = |f: f64| {
+            let [re, im] = Self::receptance(&forces, &motion, f);
+            re.hypot(im)
+        };
+        let coarse = (0..200).map(|i| 300.0 + 10.0 * f64::from(i));
+        let nearest = coarse.max_by(|a, b| receptance(*a).total_cmp(&receptance(*b))).unwrap();
+        let (mut low, mut high) = (nearest - 10.0, nearest + 10.0);
+        while high - low > 1e-3 {
+            let third = (high - low) / 3.0;
+            if receptance(low + third) < receptance(high - third) {
+                low += third;
+            } else {
+                high -= third;
+            }
+        }
+        let f1 = 0.5 * (low + high);
+        [f1, receptance(f1)]
+    }
+
+    /// Receptance of samples at a frequency \[Hz\], real and imaginary part \[m/N\].
+    pub fn receptance(forces: &[f64], motion: &[f64], frequency: f64) -> [f64; 2] {
+        let transform = |samples: &[f64]| {
+            samples.iter().enumerate().fold([0.0, 0.0], |[re, im], (n, x)| {
+                let phase = TAU * frequency * n as f64 / RATE_HZ;
+                [re + x * phase.cos(), im - x * phase.sin()]
+            })
+        };
+        let ([a, b], [c, d]) = (transform(motion), transform(forces));
+        let size = c * c + d * d;
+        [(a * c + b * d) / size, (b * c - a * d) / size]
+    }
+
+    /// Samples of the force \[N\] and of the displacement of the node that is hit \[m\] over a `duration` \[s\]: all rows by
+    /// Runge-Kutta steps.
+    pub fn motion(
+        &self,
+        law: [f64; 2],
+        preload: f64,
+        peak: f64,
+        duration: f64,
+    ) -> (Vec<f64>, Vec<f64>) {
         let rest = self.rest(law, preload);
         let count = self.masses.len();
         let force = |t: f64| if t < PULSE { peak * (PI * t / PULSE).sin().powi(2) } else { 0.0 };
@@ -134,7 +179,7 @@ impl Lattice {
         };
         let mut state = [rest.clone(), vec![0.0; count]].concat();
         let (mut motion, mut forces) = (Vec::new(), Vec::new());
-        for step in 0..(DURATION / STEP).round() as usize {
+        for step in 0..(duration / STEP).round() as usize {
             let t = step as f64 * STEP;
             if step % EVERY == 0 {
                 motion.push(state[HIT] - rest[HIT]);
@@ -148,27 +193,7 @@ impl Lattice {
                 *x += STEP / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
             }
         }
-        let transform = |samples: &[f64], frequency: f64| {
-            let sums = samples.iter().enumerate().fold([0.0, 0.0], |[re, im], (n, x)| {
-                let phase = TAU * frequency * n as f64 * STEP * EVERY as f64;
-                [re + x * phase.cos(), im - x * phase.sin()]
-            });
-            sums[0].hypot(sums[1])
-        };
-        let receptance = |f: f64| transform(&motion, f) / transform(&forces, f);
-        let coarse = (0..200).map(|i| 300.0 + 10.0 * f64::from(i));
-        let nearest = coarse.max_by(|a, b| receptance(*a).total_cmp(&receptance(*b))).unwrap();
-        let (mut low, mut high) = (nearest - 10.0, nearest + 10.0);
-        while high - low > 1e-3 {
-            let third = (high - low) / 3.0;
-            if receptance(low + third) < receptance(high - third) {
-                low += third;
-            } else {
-                high -= third;
-            }
-        }
-        let f1 = 0.5 * (low + high);
-        [f1, receptance(f1)]
+        (forces, motion)
     }
 
     /// Elastic forces on the nodes \[N\] at displacements, or damping forces at velocities.

@@ -45,7 +45,10 @@ struct Krylov<'a> {
     factor: &'a Factor,
     /// Modes that are known, to which all vectors are orthogonal.
     known: Mat<f64>,
+    known_images: Mat<f64>,
+    /// Vectors, and their images under M: the parts of others along them need no product with M.
     basis: Mat<f64>,
+    images: Mat<f64>,
     /// Most vectors of the basis.
     most: usize,
     projected: Mat<f64>,
@@ -68,7 +71,7 @@ pub(super) fn lowest(
 ) -> Result<Eigenpairs, MeshError> {
     let size = body.size();
     let mut known = Mat::zeros(size, 0);
-    let mut block;
+    let mut first;
     // Rigid motions, as many blocks of them as there are.
     loop {
         let mut krylov = Krylov::new(body, factor, known, RIGID_BLOCKS * BLOCK);
@@ -84,7 +87,7 @@ pub(super) fn lowest(
         }
         let new = found.squares.iter().filter(|square| **square <= rigid).count();
         let elastic = found.squares.len() - new;
-        block = krylov.shapes(&found.vectors, new, BLOCK.min(elastic));
+        first = krylov.shapes(&found.vectors, new, BLOCK.min(elastic));
         if new == 0 {
             known = krylov.known;
             break;
@@ -94,11 +97,11 @@ pub(super) fn lowest(
         let mut improved = body.mass_times(rigid_shapes.as_ref());
         factor.solve(&mut improved);
         let lengths = krylov.lengths(&improved);
-        krylov.basis = Mat::zeros(size, 0);
+        (krylov.basis, krylov.images) = (Mat::zeros(size, 0), Mat::zeros(size, 0));
         krylov.take_off(&mut improved);
         let (improved, _) = krylov.orthonormal(&improved, &lengths, new);
-        known = beside(&krylov.known, &improved);
-        if improved.ncols() == 0 {
+        known = beside(&krylov.known, &improved.vectors);
+        if improved.count() == 0 {
             break;
         }
     }
@@ -108,10 +111,10 @@ pub(super) fn lowest(
     let mut krylov = Krylov::new(body, factor, known, most);
     let mut last: Option<Vec<f64>> = None;
     // The first vectors are orthonormal among themselves, not yet to all that is known.
-    let lengths = krylov.lengths(&block);
-    krylov.take_off(&mut block);
-    (block, _) = krylov.orthonormal(&block, &lengths, BLOCK.min(most));
-    while block.ncols() > 0 {
+    let lengths = krylov.lengths(&first);
+    krylov.take_off(&mut first);
+    let (mut block, _) = krylov.orthonormal(&first, &lengths, BLOCK.min(most));
+    while block.count() > 0 {
         let (next, couplings) = krylov.extend(&block);
         let found = krylov.ritz(shift)?;
         block = next;
@@ -170,6 +173,41 @@ impl Eigenpairs {
     }
 }
 
+/// Vectors that are orthonormal in the product with M, and their images `M v`.
+struct Block {
+    vectors: Mat<f64>,
+    images: Mat<f64>,
+}
+
+impl Block {
+    fn count(&self) -> usize {
+        self.vectors.ncols()
+    }
+
+    /// Takes the part along the first `done` columns off `vector`, twice, and adds it to a column of coordinates.
+    fn take_off(
+        &self,
+        vector: &mut Mat<f64>,
+        done: usize,
+        mut coordinates: Option<(&mut Mat<f64>, usize)>,
+    ) {
+        for _ in 0..2 {
+            let along = self.images.subcols(0, done).transpose() * &*vector;
+            *vector -= self.vectors.subcols(0, done) * &along;
+            if let Some((coordinates, column)) = &mut coordinates {
+                for row in 0..done {
+                    coordinates[(row, *column)] += along[(row, 0)];
+                }
+            }
+        }
+    }
+}
+
+/// Length of a vector with this image \[kg^1/2 m\].
+fn length_of(vector: &Mat<f64>, image: &Mat<f64>) -> f64 {
+    (vector.col(0).transpose() * image.col(0)).max(0.0).sqrt()
+}
+
 impl<'a> Krylov<'a> {
     /// No vectors yet, and room for `most` of them.
     fn new(body: &'a SparseBody, factor: &'a Factor, known: Mat<f64>, most: usize) -> Self {
@@ -177,8 +215,10 @@ impl<'a> Krylov<'a> {
         Self {
             body,
             factor,
+            known_images: body.mass_times(known.as_ref()),
             known,
             basis: Mat::zeros(body.size(), 0),
+            images: Mat::zeros(body.size(), 0),
             most,
             projected: Mat::zeros(most, most),
             random: Random(0x9e37_79b9_7f4a_7c15),
@@ -196,19 +236,20 @@ impl<'a> Krylov<'a> {
     }
 
     /// Fills the basis from a first block.
-    fn iterate(&mut self, mut block: Mat<f64>) {
-        while block.ncols() > 0 {
+    fn iterate(&mut self, mut block: Block) {
+        while block.count() > 0 {
             (block, _) = self.extend(&block);
         }
     }
 
     /// Takes `block`, orthonormal and orthogonal to the basis, into the basis. The next block, and its
     /// couplings to this one, by which the basis is no invariant space.
-    fn extend(&mut self, block: &Mat<f64>) -> (Mat<f64>, Mat<f64>) {
-        let (from, added) = (self.count(), block.ncols());
+    fn extend(&mut self, Block { vectors, images }: &Block) -> (Block, Mat<f64>) {
+        let (from, added) = (self.count(), vectors.ncols());
         let size = self.body.size();
-        self.basis.resize_with(size, from + added, |row, column| block[(row, column - from)]);
-        let mut image = self.body.mass_times(block.as_ref());
+        self.basis.resize_with(size, from + added, |row, column| vectors[(row, column - from)]);
+        self.images.resize_with(size, from + added, |row, column| images[(row, column - from)]);
+        let mut image = images.clone();
         self.factor.solve(&mut image);
         let lengths = self.lengths(&image);
         let mut along = Mat::zeros(self.count(), added);
@@ -222,9 +263,9 @@ impl<'a> Krylov<'a> {
 
     /// Takes the parts along known modes and the basis off the columns of `vectors`, and returns the second.
     fn take_off(&self, vectors: &mut Mat<f64>) -> Mat<f64> {
-        let known = self.known.transpose() * self.body.mass_times(vectors.as_ref());
+        let known = self.known_images.transpose() * &*vectors;
         *vectors -= &self.known * known;
-        let along = self.basis.transpose() * self.body.mass_times(vectors.as_ref());
+        let along = self.images.transpose() * &*vectors;
         *vectors -= &self.basis * &along;
         along
     }
@@ -237,18 +278,20 @@ impl<'a> Krylov<'a> {
         vectors: &Mat<f64>,
         lengths: &[f64],
         room: usize,
-    ) -> (Mat<f64>, Mat<f64>) {
+    ) -> (Block, Mat<f64>) {
         let (size, given) = (vectors.nrows(), vectors.ncols());
-        let mut block = Mat::zeros(size, given.min(room));
+        let zeros = || Mat::zeros(size, given.min(room));
+        let mut block = Block { vectors: zeros(), images: zeros() };
         let mut coordinates = Mat::zeros(given.min(room), given);
         let mut done = 0;
         for column in 0..given {
             let mut vector = vectors.subcols(column, 1).to_owned();
-            self.off_block(&mut vector, &block, done, Some((&mut coordinates, column)));
-            let mut length = self.lengths(&vector)[0];
-            if done == block.ncols() {
+            block.take_off(&mut vector, done, Some((&mut coordinates, column)));
+            if done == block.count() {
                 continue;
             }
+            let mut image = self.body.mass_times(vector.as_ref());
+            let mut length = length_of(&vector, &image);
             if length > NOTHING_LEFT * lengths[column] {
                 coordinates[(done, column)] = length;
             } else {
@@ -256,39 +299,23 @@ impl<'a> Krylov<'a> {
                 let before = self.lengths(&vector)[0];
                 for _ in 0..2 {
                     self.take_off(&mut vector);
-                    self.off_block(&mut vector, &block, done, None);
+                    block.take_off(&mut vector, done, None);
                 }
-                length = self.lengths(&vector)[0];
+                image = self.body.mass_times(vector.as_ref());
+                length = length_of(&vector, &image);
                 if length <= NOTHING_LEFT * before {
                     continue;
                 }
             }
             for row in 0..size {
-                block[(row, done)] = vector[(row, 0)] / length;
+                block.vectors[(row, done)] = vector[(row, 0)] / length;
+                block.images[(row, done)] = image[(row, 0)] / length;
             }
             done += 1;
         }
-        (block.subcols(0, done).to_owned(), coordinates.subrows(0, done).to_owned())
-    }
-
-    /// Takes the part along the first `done` columns of `block` off `vector`, twice, and adds it to
-    /// a column of coordinates.
-    fn off_block(
-        &self,
-        vector: &mut Mat<f64>,
-        block: &Mat<f64>,
-        done: usize,
-        mut coordinates: Option<(&mut Mat<f64>, usize)>,
-    ) {
-        for _ in 0..2 {
-            let along = block.subcols(0, done).transpose() * self.body.mass_times(vector.as_ref());
-            *vector -= block.subcols(0, done) * &along;
-            if let Some((coordinates, column)) = &mut coordinates {
-                for row in 0..done {
-                    coordinates[(row, *column)] += along[(row, 0)];
-                }
-            }
-        }
+        let [vectors, images] =
+            [block.vectors, block.images].map(|columns| columns.subcols(0, done).to_owned());
+        (Block { vectors, images }, coordinates.subrows(0, done).to_owned())
     }
 
     /// Lengths of the columns of `vectors` \[kg^1/2 m\].
@@ -299,7 +326,7 @@ impl<'a> Krylov<'a> {
     }
 
     /// At most `count` random vectors, orthonormal and orthogonal to the basis.
-    fn random_block(&mut self, count: usize) -> Mat<f64> {
+    fn random_block(&mut self, count: usize) -> Block {
         let mut block = self.random_image(count);
         let lengths = self.lengths(&block);
         for _ in 0..2 {
