@@ -9,7 +9,7 @@ use asperity_simulation::assemble::{Assembly, Interfaces};
 use asperity_simulation::error::SimulationError;
 use asperity_simulation::laws::ScenarioLaws;
 use asperity_simulation::output::file_name::distinct_file_names;
-use asperity_simulation::patches::{assemble_patches, simulate_patches};
+use asperity_simulation::patches::{assemble_patches, simulate_patches_unless};
 use asperity_simulation::provenance::Provenance;
 use asperity_simulation::record::{frf_columns, frf_csv, history_csv, law_csv};
 use asperity_simulation::run::{Run, receptance, simulate_unless};
@@ -110,7 +110,8 @@ fn hit(
             results.add(run.as_ref(), settings, beside)?;
         }
         AnyScenario::Structure(scenario) => {
-            let run = simulate_patches(document, scenario, waiting.progress).map(|found| found.run);
+            let found = simulate_patches_unless(document, scenario, waiting.stop, waiting.progress);
+            let run = found.map(|found| found.run);
             if let Ok(run) = &run {
                 let summary = &run.summary;
                 let laws = ScenarioLaws::of_structure(scenario, &summary.at_rest);

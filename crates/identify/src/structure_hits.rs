@@ -3,6 +3,8 @@
 //! The reduction of a structure depends on no parameter, so that a point needs the equilibrium and the steps of time
 //! alone. Many contacts have no exact derivatives: the fit takes differences of predictions.
 
+use std::sync::atomic::AtomicBool;
+
 use asperity_dynamics::DynamicsError;
 use asperity_inference::{Derivatives, ForwardModel as _, Predictions};
 use asperity_simulation::error::SimulationError;
@@ -45,7 +47,7 @@ impl ScenarioModel {
         let rigs = self.prepare(point)?;
         let converged = |hit: &SimulatedHit| {
             let system = self.on_rig(hit, &rigs[hit.rig], point)?;
-            let found = system.refined(&|_| ())?;
+            let found = system.refined(&AtomicBool::new(false), &|_| ())?;
             let peak = system.assembly.load.peak();
             let resolution = Some(resolution(&system, found.parts));
             Ok(ConvergedHit { peak, resolution, observables: found.response.observables })

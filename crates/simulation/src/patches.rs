@@ -38,6 +38,7 @@ pub(crate) use rows::PatchRows;
 pub use run::{
     CellCounts, CellSummary, PatchResponse, PatchRun, PatchSummary, PatchSystem,
     RefinedPatchResponse, StaticDisplacement, Truncation, simulate_patches,
+    simulate_patches_unless,
 };
 pub use steady::steady_cells;
 pub use structure::{PatchStructure, ReducedStructure, ReducedStructures, assemble_patches};

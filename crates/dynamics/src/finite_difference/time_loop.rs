@@ -17,7 +17,7 @@ use asperity_structure::LoadCase;
 const LEDGER_STEPS: usize = 32;
 
 /// Samples between two calls of the progress listener.
-const PROGRESS_SAMPLES: usize = 1024;
+const PROGRESS_SAMPLES: usize = 64;
 
 /// A whole run.
 pub(super) struct TimeLoop<'a> {

@@ -4,6 +4,10 @@
 //! oscillator's motion is known at any instant. So the samples of a response may fall anywhere
 //! between steps, at any distance.
 
+use std::cell::Cell;
+
+use asperity_law::Pressure;
+
 use super::oscillator::{ForceInterpolation, NODES, Propagator};
 use super::prepared_case::PreparedCase;
 use super::simd::outcome::Outcome;
@@ -60,6 +64,8 @@ struct DenseOutput<'a> {
     open_below: Vec<f64>,
     /// Displacement \[m\], velocity \[m/s\] and acceleration \[m/s2\] of each sensor.
     moved: Vec<[f64; 3]>,
+    /// Of each contact the closure increment \[m\] at which its law was last inverted, and the pressure there.
+    known: Vec<Cell<(f64, Pressure)>>,
 }
 
 /// The propagators of every mode to a part of a step; `moments` are of the forces `F_k s^k`.
@@ -75,8 +81,22 @@ impl<'a> DenseOutput<'a> {
         let open_below = (0..case.model.contacts().len()).map(|i| case.open_below(i)).collect();
         let (tractions, places) = (Default::default(), Vec::new());
         let moved = vec![[0.0; 3]; case.model.sensors()];
-        let mut motion =
-            Self { case, outcome, states, before, at: 0, tractions, places, open_below, moved };
+        let at_rest = |contact: &PreloadedContact| {
+            Cell::new((0.0, Pressure { value: 0.0, tangent: contact.stiffness() }))
+        };
+        let known = case.model.contacts().iter().map(at_rest).collect();
+        let mut motion = Self {
+            case,
+            outcome,
+            states,
+            before,
+            at: 0,
+            tractions,
+            places,
+            open_below,
+            moved,
+            known,
+        };
         motion.place(1.0);
         motion.interpolate_tractions();
         motion
@@ -240,8 +260,24 @@ impl<'a> DenseOutput<'a> {
         let Some(contact) = contact.filter(elastic) else {
             return cubic(&self.outcome.traction[i], step, s);
         };
-        let closure = cubic(&self.outcome.closure[i], step, s);
-        contact.law().pressure_increment(contact.pressure(), closure).value
+        self.pressure(i, contact, cubic(&self.outcome.closure[i], step, s)).value
+    }
+
+    /// Pressure increment of the law of contact `i` at a closure increment \[m\], by a step from where it was last
+    /// inverted, if the closure is near.
+    fn pressure(&self, i: usize, contact: &PreloadedContact, increment: f64) -> Pressure {
+        let (law, at_rest) = (contact.law(), contact.pressure());
+        let (before, known) = self.known[i].get();
+        if increment == before {
+            return known;
+        }
+        let step = law.pressure_step(at_rest + known.value, increment - before);
+        let found = match step {
+            Some(step) => Pressure { value: known.value + step.value, tangent: step.tangent },
+            None => law.pressure_increment(at_rest, increment),
+        };
+        self.known[i].set((increment, found));
+        found
     }
 
     /// Pressure \[Pa\], closure \[m\] and stiffness \[Pa/m\] of interface `i` at `time` \[s\].
@@ -253,7 +289,7 @@ impl<'a> DenseOutput<'a> {
         if increment <= self.open_below[i] {
             return (0.0, closure, 0.0);
         }
-        let pressure = contact.law().pressure_increment(contact.pressure(), increment);
+        let pressure = self.pressure(i, contact, increment);
         (contact.pressure() + pressure.value, closure, pressure.tangent)
     }
 }

@@ -27,6 +27,7 @@ mod run_parts;
 
 use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use asperity_mesh::ComponentModes;
 use asperity_structure::{LoadCase, PreloadedContact, PreloadedStructure};
@@ -171,6 +172,20 @@ impl ManyContacts {
         sampling: &Sampling,
         parts: usize,
     ) -> Result<(Transient, Vec<ContactExtremes>), DynamicsError> {
+        self.integrate_groups_unless(load, sampling, parts, &AtomicBool::new(false))
+    }
+
+    /// As [`integrate_groups`](Self::integrate_groups); once `stop` is set, it ends before the next sample.
+    ///
+    /// # Errors
+    /// Those of [`integrate`](Self::integrate), and [`DynamicsError::Stopped`].
+    pub fn integrate_groups_unless(
+        &self,
+        load: &LoadCase,
+        sampling: &Sampling,
+        parts: usize,
+        stop: &AtomicBool,
+    ) -> Result<(Transient, Vec<ContactExtremes>), DynamicsError> {
         load.check()?;
         if parts == 0 {
             let (quantity, accepted) = ("number of steps between samples", "at least 1");
@@ -183,6 +198,9 @@ impl ManyContacts {
         let samples = sampling.samples();
         let mut history = History::with_capacity(samples, self.sensors.len(), self.groups.len());
         for sample in 0..samples {
+            if stop.load(Ordering::Relaxed) {
+                return Err(DynamicsError::Stopped { steps: sample * parts });
+            }
             run.record(sample as f64 * sampling.interval(), &mut history);
             for part in 1..=parts {
                 run.advance((sample * parts + part) as f64 * step)?;

@@ -2,6 +2,7 @@
 //! leaves its spring, and a patch whose cells open one after the other.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use crate::support::half_spaces::relative_norm;
 use crate::support::{DISC, damped, every_law, pulse, rig, slope, three_bodies};
@@ -255,4 +256,13 @@ fn open_contacts_are_refused_by_the_vector_kernel() {
     let system = patch(8, None);
     let error = ModalModel::new(system.structure().clone(), 8, &[8]).unwrap_err();
     assert!(matches!(error, DynamicsError::OpenAtRest { .. }), "{error}");
+}
+
+/// A run that is stopped ends before its next sample.
+#[test]
+fn a_stopped_run_takes_no_steps() {
+    let system = ManyContacts::new(reduced(&rig(&every_law()[0].1), 4), 0, vec![0]).unwrap();
+    let sampling = Sampling::new(4e-3, 2e5).unwrap();
+    let found = system.integrate_groups_unless(&pulse(9.0), &sampling, 4, &AtomicBool::new(true));
+    assert!(matches!(found, Err(DynamicsError::Stopped { steps: 0 })), "{found:?}");
 }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use crate::support::{
-    AREA, DISC, difference, modified, power, pulse, rig, rig_on, slope, three_bodies,
+    AREA, DISC, difference, every_law, modified, power, pulse, rig, rig_on, slope, three_bodies,
 };
 use asperity_dynamics::{Batch, CaseResponse, Decimation, ModalModel, Sampling, TransientCase};
 use asperity_law::ContactLaw;
@@ -203,4 +203,30 @@ fn the_output_need_not_be_where_the_force_is() {
     assert!(found.energy.residual_relative() < 1e-4, "{:?}", found.energy);
     let off = difference(&found.displacement, &exact[1]);
     assert!(off < 1e-5, "{off}");
+}
+
+/// Pressures and stiffnesses between steps are those of the law at the closures, over thousands of samples of a hit
+/// that opens contacts.
+#[test]
+fn pressures_between_steps_are_those_of_the_law() {
+    for (name, law) in every_law() {
+        let stack = rig(&law);
+        let structure = PreloadedStructure::new(stack.clone(), Damping::Ratio(0.035)).unwrap();
+        let hit = hit(&stack, pulse(60.0), 0.03, None);
+        let sampling = Sampling::new(0.03, 1.7e5).unwrap();
+        let whole = Batch::default().transient(&hit, &sampling).unwrap();
+        for (contact, seen) in structure.contacts().iter().zip(&whole.history.interfaces) {
+            let largest = seen.pressure.iter().fold(0.0, |most: f64, p| most.max(p.abs()));
+            for ((pressure, closure), stiffness) in
+                seen.pressure.iter().zip(&seen.closure).zip(&seen.stiffness)
+            {
+                let of_law = contact.law().pressure(*closure);
+                let off = (pressure - of_law.value).abs() / largest;
+                let turned = (stiffness - of_law.tangent).abs() / contact.stiffness();
+                assert!(off < 1e-10, "{name}: {pressure} {off:e}");
+                // A rounding of the closure moves the stiffness next to zero pressure.
+                assert!(turned < 1e-6 || *pressure < 1e-3 * largest, "{name}: {turned:e}");
+            }
+        }
+    }
 }

@@ -66,7 +66,7 @@ impl PatchRows {
             if stop.load(Ordering::Relaxed) {
                 return None;
             }
-            let found = self.one(inputs, frequencies, &row(number));
+            let found = self.one((inputs, frequencies), &row(number), stop);
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
             Some(found)
         };
@@ -84,9 +84,9 @@ impl PatchRows {
 
     fn one<T: AsRef<str>>(
         &self,
-        inputs: &RowInputs,
-        frequencies: &[f64],
+        (inputs, frequencies): (&RowInputs, &[f64]),
         row: &[T],
+        stop: &AtomicBool,
     ) -> Result<Row, SimulationError> {
         inputs.check(row)?;
         let folder = inputs.folder();
@@ -95,7 +95,7 @@ impl PatchRows {
         let excitation = inputs.excitation(row)?;
         let load = load_case_at(&excitation, port, folder)?;
         let system = prepared.system.with_load(load, None)?;
-        let RefinedPatchResponse { response, .. } = system.refined(&|_| ())?;
+        let RefinedPatchResponse { response, .. } = system.refined(stop, &|_| ())?;
         let receptance = || Some(response.receptance(frequencies));
         let frf = magnitudes(frequencies, receptance);
         let mut found = response.observables;

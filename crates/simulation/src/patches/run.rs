@@ -5,6 +5,7 @@
 //! whose inertia is not.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use asperity_dynamics::{ContactExtremes, DynamicsError, ManyContacts, Sampling, Transient};
@@ -213,12 +214,25 @@ pub fn simulate_patches(
     scenario: &StructureScenario,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<PatchRun, SimulationError> {
+    simulate_patches_unless(document, scenario, &AtomicBool::new(false), progress)
+}
+
+/// As [`simulate_patches`]; once `stop` is set, a response ends before its next sample.
+///
+/// # Errors
+/// Those of [`simulate_patches`], and [`DynamicsError::Stopped`].
+pub fn simulate_patches_unless(
+    document: &Document,
+    scenario: &StructureScenario,
+    stop: &AtomicBool,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<PatchRun, SimulationError> {
     let started = Instant::now();
     let folder = document.folder();
     let assembly = info_span!("assemble").in_scope(|| assemble_patches(scenario, folder))?;
     progress(0.3);
     let system = PatchSystem::new(assembly)?;
-    let RefinedPatchResponse { response, truncation, .. } = system.refined(progress)?;
+    let RefinedPatchResponse { response, truncation, .. } = system.refined(stop, progress)?;
     let PatchResponse { transient, cells, observables } = response;
     let PatchSystem { assembly, .. } = system;
     for warning in &observables.warnings {
@@ -318,27 +332,30 @@ impl PatchSystem {
     /// # Errors
     /// [`SimulationError::Dynamics`] as [`ManyContacts::integrate`].
     pub fn response(&self, parts: usize) -> Result<PatchResponse, SimulationError> {
-        self.response_of(&self.system, parts)
+        self.response_of(&self.system, parts, &AtomicBool::new(false))
     }
 
     fn response_of(
         &self,
         system: &ManyContacts,
         parts: usize,
+        stop: &AtomicBool,
     ) -> Result<PatchResponse, SimulationError> {
         let Assembly { structure, load, sampling, .. } = &self.assembly;
-        let (transient, cells) = system.integrate_groups(load, sampling, parts)?;
+        let (transient, cells) = system.integrate_groups_unless(load, sampling, parts, stop)?;
         let at_rest = structure.at_rest();
         let observables = Observables::of_transient(&self.assembly, &at_rest, &transient)?;
         Ok(PatchResponse { transient, cells, observables })
     }
 
-    /// The response to the accuracy of its scenario; `progress` receives the fraction done.
+    /// The response to the accuracy of its scenario, unless `stop` is set before; `progress` receives the fraction
+    /// done.
     ///
     /// # Errors
-    /// Those of [`response`](Self::response).
+    /// Those of [`response`](Self::response), and [`DynamicsError::Stopped`].
     pub fn refined(
         &self,
+        stop: &AtomicBool,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<RefinedPatchResponse, SimulationError> {
         let accuracy = self.assembly.accuracy;
@@ -351,7 +368,7 @@ impl PatchSystem {
             let parts = first << halvings;
             let may_halve =
                 halvings < MOST_HALVINGS && 2.0 * samples * parts as f64 * contacts <= MOST_WORK;
-            let found = match self.response(parts) {
+            let found = match self.response_of(&self.system, parts, stop) {
                 Err(SimulationError::Dynamics(
                     DynamicsError::Coarse { .. } | DynamicsError::Unstable { .. },
                 )) if may_halve => {
@@ -378,7 +395,7 @@ impl PatchSystem {
                 "refined"
             );
             if by_step.relative <= STEP_SHARE * accuracy || !may_halve {
-                let by_modes = self.truncation(parts, &found)?;
+                let by_modes = self.truncation(parts, &found, stop)?;
                 let truncation = by_modes.relative;
                 let observables = found.observables.with_estimate(by_step.plus(&by_modes));
                 let response = PatchResponse { observables, ..found };
@@ -394,6 +411,7 @@ impl PatchSystem {
         &self,
         parts: usize,
         found: &PatchResponse,
+        stop: &AtomicBool,
     ) -> Result<ErrorEstimate, SimulationError> {
         let accuracy = self.assembly.accuracy;
         let structure = &*self.assembly.structure.structure;
@@ -409,7 +427,7 @@ impl PatchSystem {
             asperity_structure::Damping::Rate(structure.damping_rate()),
         )?;
         let system = system(&self.assembly, Arc::new(fewer))?;
-        let other = self.response_of(&system, parts)?.observables;
+        let other = self.response_of(&system, parts, stop)?.observables;
         Ok(ErrorEstimate::new(found.observables.all(), other.all(), 1.0, accuracy))
     }
 
