@@ -37,7 +37,7 @@ pub use ports::Patch;
 pub(crate) use rows::PatchRows;
 pub use run::{
     CellCounts, CellSummary, PatchResponse, PatchRun, PatchSummary, PatchSystem,
-    RefinedPatchResponse, StaticDisplacement, Truncation, simulate_patches,
+    RefinedPatchResponse, SensorDisplacement, Truncation, simulate_patches,
 };
 pub use steady::steady_cells;
 pub use structure::{PatchStructure, ReducedStructure, ReducedStructures, assemble_patches};
