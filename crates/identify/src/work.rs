@@ -145,7 +145,7 @@ fn seconds_left(
     [own, rest]: [f64; 2],
 ) -> Option<f64> {
     let pace = if here > PACE_KNOWN * own { part / here } else { whole / done };
-    (done > 0.0).then(|| pace * (own - here + rest))
+    (done > 0.0).then_some(pace * (own - here + rest))
 }
 
 /// Evaluations that each part of a typical identification needs.

@@ -37,7 +37,7 @@ pub use ports::Patch;
 pub(crate) use rows::PatchRows;
 pub use run::{
     CellCounts, CellSummary, PatchResponse, PatchRun, PatchSummary, PatchSystem,
-    RefinedPatchResponse, StaticDisplacement, Truncation, simulate_patches,
+    RefinedPatchResponse, SensorDisplacement, Truncation, simulate_patches,
     simulate_patches_unless,
 };
 pub use steady::steady_cells;

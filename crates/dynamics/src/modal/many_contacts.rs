@@ -33,14 +33,13 @@ use asperity_mesh::ComponentModes;
 use asperity_structure::{LoadCase, PreloadedContact, PreloadedStructure};
 use faer::Mat;
 
-use super::oscillator::{Dynamics, Propagator};
 use crate::contact_energy::excess;
 use crate::error::{balanced, check_modal_damping};
 use crate::run_bounds::check_many_contacts;
 use crate::{ContactExtremes, DynamicsError, EnergyLedger, History, Sampling, Transient};
 use contact_factor::{Work, times};
 use contact_forces::ContactForces;
-use run_parts::{Extremes, Residual};
+use run_parts::{Extremes, Residual, SteppedMode, share_below_zero};
 
 /// Most contacts.
 pub const MOST_CONTACTS: usize = 1000;
@@ -215,18 +214,6 @@ impl ManyContacts {
     }
 }
 
-/// A mode and its step.
-struct SteppedMode {
-    closures: Vec<f64>,
-    load: f64,
-    sensors: Vec<f64>,
-    dynamics: Dynamics,
-    propagator: Propagator,
-    /// Of the force at the old and the new end, in the new displacement and velocity.
-    old: [f64; 2],
-    new: [f64; 2],
-}
-
 /// The state of a run.
 struct Run<'a> {
     system: &'a ManyContacts,
@@ -276,30 +263,8 @@ impl<'a> Run<'a> {
         let structure = &*system.structure;
         let component = structure.component_modes();
         let (pairs, rate) = (component.contacts(), structure.damping_rate());
-        let stepped = |mode: &asperity_mesh::NormalMode| {
-            let dynamics = Dynamics {
-                angular_frequency: mode.angular_frequency,
-                rate: mode.total_damping(rate),
-                massless: mode.massless,
-            };
-            let propagator = dynamics.propagator(step);
-            let [constant, linear] = [propagator.moments[0], propagator.moments[1]];
-            let (old, new) = if mode.massless {
-                ([constant[0] - linear[0], 0.0], [linear[0], 0.0])
-            } else {
-                let half = constant.map(|moment| 0.5 * moment);
-                (half, half)
-            };
-            SteppedMode {
-                closures: pairs.iter().map(|&pair| mode.closure(pair)).collect(),
-                load: mode.ports[system.load],
-                sensors: system.sensors.iter().map(|&sensor| mode.ports[sensor]).collect(),
-                dynamics,
-                propagator,
-                old,
-                new,
-            }
-        };
+        let ports = (system.load, &*system.sensors);
+        let stepped = |mode| SteppedMode::new(mode, (rate, step), pairs, ports);
         let modes: Vec<SteppedMode> = component.modes().iter().map(stepped).collect();
         let residual = Residual::new(component, system.load, &system.sensors);
         let n = pairs.len();
@@ -562,12 +527,7 @@ impl<'a> Run<'a> {
             one.stiffness_sum += self.law_stiffness[i] / contact.area();
             let Some(lost) = self.system.forces.lost_at(i) else { continue };
             let [old, new] = [before[i] - lost, self.closures[i] - lost];
-            let share = match (old < 0.0, new < 0.0) {
-                (true, true) => 1.0,
-                (false, false) => 0.0,
-                (true, false) => old / (old - new),
-                (false, true) => new / (new - old),
-            };
+            let share = share_below_zero(old, new);
             shares[i] = share;
             one.lost += share * self.step;
         }
@@ -644,18 +604,15 @@ impl<'a> Run<'a> {
             ledger.elastic +=
                 0.5 * (mode.dynamics.angular_frequency * self.displacement[m]).powi(2);
         }
-        let carried = &self.residual.closures * column(&self.forces);
+        let mut carried = vec![0.0; self.forces.len()];
+        times(&self.residual.closures, &self.forces, &mut carried);
         ledger.elastic += 0.5 * self.residual.own * self.load_value.powi(2);
         let contacts = self.system.structure.contacts();
         for (i, contact) in contacts.iter().enumerate() {
-            ledger.elastic += 0.5 * self.forces[i] * carried[(i, 0)]
+            ledger.elastic += 0.5 * self.forces[i] * carried[i]
                 - self.residual.load[i] * self.load_value * self.forces[i];
             ledger.contact += contact.area() * excess(contact, self.closures[i]);
         }
         ledger
     }
-}
-
-fn column(values: &[f64]) -> faer::MatRef<'_, f64> {
-    faer::MatRef::from_column_major_slice(values, values.len(), 1)
 }

@@ -63,14 +63,14 @@ pub struct PatchSummary {
     /// The cells of each interface.
     pub cells: Vec<CellCounts>,
     /// Displacement of each sensor at rest by all loads.
-    pub static_displacements: Vec<StaticDisplacement>,
+    pub static_displacements: Vec<SensorDisplacement>,
     /// The modes kept.
     pub truncation: Truncation,
 }
 
 /// Displacement of a sensor at rest.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StaticDisplacement {
+pub struct SensorDisplacement {
     /// Name of the sensor.
     pub sensor: String,
     /// Displacement along its direction \[m\]; motions that nothing holds stay out.
@@ -127,7 +127,7 @@ impl PatchRun {
         let sensors = self.run.assembly.sensors.iter().zip(&structure.static_displacements);
         let displacement = |(sensor, &displacement_m): (&crate::assemble::Sensor, &f64)| {
             let sensor = sensor.name.clone().unwrap_or_default();
-            StaticDisplacement { sensor, displacement_m }
+            SensorDisplacement { sensor, displacement_m }
         };
         PatchSummary {
             static_displacements: sensors.map(displacement).collect(),

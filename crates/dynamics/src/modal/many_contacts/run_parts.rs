@@ -1,9 +1,56 @@
-//! Parts of a run: the flexibility of modes left out, and extremes of contacts.
+//! Parts of a run: modes with their steps, the flexibility of modes left out, and extremes of contacts.
 
-use asperity_mesh::{ComponentModes, PortPair};
+use asperity_mesh::{ComponentModes, NormalMode, PortPair};
 use faer::Mat;
 
 use crate::ContactExtremes;
+use crate::modal::oscillator::{Dynamics, Propagator};
+
+/// A mode and its step.
+pub(super) struct SteppedMode {
+    pub(super) closures: Vec<f64>,
+    pub(super) load: f64,
+    pub(super) sensors: Vec<f64>,
+    pub(super) dynamics: Dynamics,
+    pub(super) propagator: Propagator,
+    /// Of the force at the old and the new end, in the new displacement and velocity.
+    pub(super) old: [f64; 2],
+    pub(super) new: [f64; 2],
+}
+
+impl SteppedMode {
+    /// The step of `mode` \[s\] under a mass-proportional `rate` \[1/s\], with the closures of `pairs`, under a load and at sensors
+    /// at these ports.
+    pub(super) fn new(
+        mode: &NormalMode,
+        (rate, step): (f64, f64),
+        pairs: &[PortPair],
+        (load, sensors): (usize, &[usize]),
+    ) -> Self {
+        let dynamics = Dynamics {
+            angular_frequency: mode.angular_frequency,
+            rate: mode.total_damping(rate),
+            massless: mode.massless,
+        };
+        let propagator = dynamics.propagator(step);
+        let [constant, linear] = [propagator.moments[0], propagator.moments[1]];
+        let (old, new) = if mode.massless {
+            ([constant[0] - linear[0], 0.0], [linear[0], 0.0])
+        } else {
+            let half = constant.map(|moment| 0.5 * moment);
+            (half, half)
+        };
+        Self {
+            closures: pairs.iter().map(|&pair| mode.closure(pair)).collect(),
+            load: mode.ports[load],
+            sensors: sensors.iter().map(|&sensor| mode.ports[sensor]).collect(),
+            dynamics,
+            propagator,
+            old,
+            new,
+        }
+    }
+}
 
 /// Flexibility of the modes left out.
 pub(super) struct Residual {
@@ -55,5 +102,15 @@ impl Extremes {
             lost: self.lost,
             stiffness_average: self.stiffness_sum / steps.max(1) as f64,
         }
+    }
+}
+
+/// Part of a line from `old` to `new` that is below zero.
+pub(super) fn share_below_zero(old: f64, new: f64) -> f64 {
+    match (old < 0.0, new < 0.0) {
+        (true, true) => 1.0,
+        (false, false) => 0.0,
+        (true, false) => old / (old - new),
+        (false, true) => new / (new - old),
     }
 }
