@@ -76,7 +76,7 @@ impl StepControl {
 #[derive(Debug)]
 pub(super) enum Ended {
     Whole(Box<CaseResponse>),
-    /// Where equal steps serve as well.
+    /// Left to equal steps, which serve as well.
     Midway(Box<Midway>),
 }
 

@@ -1,0 +1,91 @@
+//! Observation of a run: extremes of contacts and their groups, and motions of ports.
+
+use std::ops::Range;
+
+use super::Run;
+use super::run_parts::share_below_zero;
+use crate::History;
+
+impl Run<'_> {
+    /// Takes the end of a step into the extremes; contact is lost from where a line between both ends
+    /// crosses first contact.
+    pub(super) fn observe(&mut self, before: &[f64]) {
+        let contacts = self.system.structure.contacts();
+        let mut shares = std::mem::take(&mut self.shares);
+        shares.fill(0.0);
+        for (i, contact) in contacts.iter().enumerate() {
+            let pressure = contact.pressure() + self.law_forces[i] / contact.area();
+            let one = &mut self.extremes[i];
+            one.pressure_min = one.pressure_min.min(pressure.max(self.system.forces.lowest(i)));
+            one.pressure_max = one.pressure_max.max(pressure);
+            one.stiffness_sum += self.law_stiffness[i] / contact.area();
+            let Some(lost) = self.system.forces.lost_at(i) else { continue };
+            let [old, new] = [before[i] - lost, self.closures[i] - lost];
+            let share = share_below_zero(old, new);
+            shares[i] = share;
+            one.lost += share * self.step;
+        }
+        for (number, group) in self.system.groups.iter().enumerate() {
+            let (pressure, _, stiffness) = self.group(group);
+            let one = &mut self.group_extremes[number];
+            one.pressure_min = one.pressure_min.min(pressure);
+            one.pressure_max = one.pressure_max.max(pressure);
+            one.stiffness_sum += stiffness;
+            one.lost += self.step * shares[group.clone()].iter().copied().fold(1.0, f64::min);
+        }
+        self.shares = shares;
+    }
+
+    /// Pressure, closure and stiffness of a group, means over its area.
+    fn group(&self, group: &Range<usize>) -> (f64, f64, f64) {
+        let contacts = self.system.structure.contacts();
+        let (mut area, mut force, mut closure, mut stiffness) = (0.0, 0.0, 0.0, 0.0);
+        for i in group.clone() {
+            let contact = &contacts[i];
+            let carried = contact.area() * contact.pressure() + self.law_forces[i];
+            area += contact.area();
+            force += carried.max(contact.area() * self.system.forces.lowest(i));
+            closure += contact.area() * (contact.closure() + self.closures[i]);
+            stiffness += self.law_stiffness[i];
+        }
+        (force / area, closure / area, stiffness / area)
+    }
+
+    /// Displacement of the loaded port \[m\].
+    pub(super) fn load_displacement(&self) -> f64 {
+        let carried: f64 = self.modes.iter().zip(&self.displacement).map(|(m, q)| m.load * q).sum();
+        let yielded: f64 = self.residual.load.iter().zip(&self.forces).map(|(r, f)| r * f).sum();
+        carried + self.residual.own * self.load_value - yielded
+    }
+
+    /// Motion of a sensor. Modes with inertia alone contribute to velocities and accelerations.
+    fn sensor(&self, number: usize) -> [f64; 3] {
+        let yielded: f64 =
+            self.residual.sensors[number].iter().zip(&self.forces).map(|(r, f)| r * f).sum();
+        let mut motion = [self.residual.sensors_load[number] * self.load_value - yielded, 0.0, 0.0];
+        for (m, mode) in self.modes.iter().enumerate() {
+            let (shape, w) = (mode.sensors[number], mode.dynamics.angular_frequency);
+            motion[0] += shape * self.displacement[m];
+            if !mode.dynamics.massless {
+                motion[1] += shape * self.velocity[m];
+                motion[2] += shape
+                    * (self.modal_force[m]
+                        - mode.dynamics.rate * self.velocity[m]
+                        - w * w * self.displacement[m]);
+            }
+        }
+        motion
+    }
+
+    /// Adds the state at `time` \[s\] to a history.
+    pub(super) fn record(&self, time: f64, history: &mut History) {
+        history.time.push(time);
+        history.load.push(self.load_value);
+        for (number, sensor) in history.sensors.iter_mut().enumerate() {
+            sensor.push(self.sensor(number));
+        }
+        for (group, interface) in self.system.groups.iter().zip(&mut history.interfaces) {
+            interface.push(self.group(group));
+        }
+    }
+}
