@@ -18,6 +18,9 @@ use asperity_structure::{LoadCase, PreloadedContact};
 /// Parts of a step closer than this to one of its ends are that end.
 const ON_STEP: f64 = 1e-9;
 
+/// Pressure, over the pressure at rest, from which laws are inverted by steps.
+const LEAST_KNOWN: f64 = 0.01;
+
 /// Places within a step whose propagators are kept.
 const MOST_PLACES: usize = 64;
 
@@ -271,8 +274,11 @@ impl<'a> DenseOutput<'a> {
         if increment == before {
             return known;
         }
-        let step = law.pressure_step(at_rest + known.value, increment - before);
-        let found = match step {
+        let from = at_rest + known.value;
+        // Of a pressure near zero the sum would leave round-off, whose share a step keeps.
+        let is_known = from > LEAST_KNOWN * at_rest;
+        let step = is_known.then(|| law.pressure_step(from, increment - before));
+        let found = match step.flatten() {
             Some(step) => Pressure { value: known.value + step.value, tangent: step.tangent },
             None => law.pressure_increment(at_rest, increment),
         };
