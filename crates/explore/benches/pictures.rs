@@ -43,6 +43,7 @@ fn main() {
         for (part, views) in [
             ("hit", vec!["law", "frf", "history"]),
             ("hit", vec!["frf"]),
+            ("hit", vec!["history"]),
             ("levels", vec!["levels"]),
             ("steady", vec!["steady"]),
         ] {

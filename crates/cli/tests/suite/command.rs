@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::{asperity, files, fixture, text};
+use crate::{FILES_OF_A_RUN, asperity, files, fixture, text};
 
 fn rig() -> String {
     fixture("scenarios/nouira2020-modified.json").display().to_string()
@@ -21,15 +21,7 @@ fn simulate_writes_the_files_and_columns_of_the_contract() {
     let output = asperity(folder.path(), &[&["simulate", &rig()], &QUICK[..]].concat());
     assert!(output.status.success(), "{}", text(&output.stderr));
     let out = folder.path().join("out/nouira2020-modified");
-    let expected = [
-        "frf.csv",
-        "frf.svg",
-        "history.csv",
-        "history.svg",
-        "pressure-closure.svg",
-        "summary.json",
-    ];
-    assert_eq!(files(&out), expected);
+    assert_eq!(files(&out), FILES_OF_A_RUN);
     assert_eq!(
         header(&out.join("history.csv")),
         "time_s,force_n,displacement_m,acceleration_m_per_s2,\

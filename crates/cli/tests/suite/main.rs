@@ -55,6 +55,10 @@ fn number(value: &Value, pointer: &str) -> f64 {
     found.unwrap_or_else(|| panic!("{pointer} is not a number in {value:#}"))
 }
 
+/// Files that `simulate` writes.
+const FILES_OF_A_RUN: [&str; 6] =
+    ["frf.csv", "frf.svg", "history.csv", "history.svg", "pressure-closure.svg", "summary.json"];
+
 /// Names of the files in a folder without hidden ones, sorted; none if there is no folder.
 fn files(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder)

@@ -5,7 +5,7 @@ use std::fs::OpenOptions;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use crate::{files, fixture, text};
+use crate::{FILES_OF_A_RUN, files, fixture, text};
 
 fn command(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_asperity"));
@@ -71,16 +71,8 @@ fn a_full_or_closed_standard_output_ends_every_command_with_status_1() {
         }
     }
     // The answer comes after the files.
-    let expected = [
-        "frf.csv",
-        "frf.svg",
-        "history.csv",
-        "history.svg",
-        "pressure-closure.svg",
-        "summary.json",
-    ];
     let written = files(&folder.path().join("out/nouira2020-constant"));
-    assert!(expected.iter().all(|name| written.contains(&(*name).to_owned())), "{written:?}");
+    assert!(FILES_OF_A_RUN.iter().all(|name| written.contains(&(*name).to_owned())), "{written:?}");
 }
 
 #[test]

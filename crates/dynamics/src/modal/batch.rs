@@ -205,11 +205,11 @@ impl Batch {
         let (step, _) = case.first_step()?;
         let decimation = (preparation.decimation)(index, step);
         match variable_steps::respond(case, &decimation, self.instructions, may_end_midway, stop)? {
-            Ended::Whole(response) => Ok(Begun::Done(response)),
-            Ended::Midway(midway) => {
-                let attempt = preparation.first(index, case)?;
-                Ok(Begun::Attempt(attempt.after(Arc::new(*midway))))
-            }
+            Ended::Whole(response, _) => Ok(Begun::Done(response)),
+            Ended::Midway(midway) => match preparation.first(index, case) {
+                Ok(attempt) => Ok(Begun::Attempt(attempt.after(Arc::new(*midway)))),
+                Err(_) => self.own_steps((index, case), preparation, false, stop),
+            },
         }
     }
 

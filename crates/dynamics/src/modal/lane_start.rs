@@ -4,8 +4,7 @@ use asperity_law::CompiledLaw;
 
 use super::damped_table::{DampedTable, PAST};
 use super::oscillator::NODES;
-use super::prepared_case::PreparedCase;
-use super::step_model::ModeStep;
+use super::step_model::{ModeStep, StepModel};
 
 /// A case after some steps, known at the last few of them: newest first.
 #[derive(Debug, Clone)]
@@ -40,9 +39,8 @@ pub(super) struct ModeStart {
 }
 
 impl LaneStart {
-    /// Mode `m` of the model of `case`.
-    pub(super) fn mode(&self, case: &PreparedCase, m: usize) -> ModeStart {
-        let model = &case.tabulated.step_model;
+    /// Mode `m` of `model`.
+    pub(super) fn mode(&self, model: &StepModel, m: usize) -> ModeStart {
         let stepped = model.interpolations.iter().enumerate().filter(|(_, kind)| kind.is_some());
         let place = stepped.map(|(place, _)| place).nth(m);
         let [now, before] = place.and_then(|k| self.modes.get(k)).copied().unwrap_or_default();
@@ -69,13 +67,10 @@ impl LaneStart {
         mode.force.iter().zip(&self.traction).map(|(force, traction)| force * traction[age]).sum()
     }
 
-    /// Closure of row `i` at the end of the next step without its load and its new pressures, in cells.
-    pub(super) fn predicted_closure(&self, case: &PreparedCase, i: usize) -> f64 {
-        let modes = case.tabulated.step_model.modes.iter().enumerate();
-        let moved = |(m, mode): (usize, &ModeStep)| {
-            mode.closure.get(i).map_or(0.0, |shape| shape * self.mode(case, m).predicted)
-        };
-        case.tabulated.cells_per_metre(i) * modes.map(moved).sum::<f64>()
+    /// Closure of row `i` at the end of the next step without its load and its new pressures \[m\].
+    pub(super) fn predicted_closure(&self, model: &StepModel, i: usize) -> f64 {
+        let modes = model.modes.iter().enumerate();
+        modes.map(|(m, mode)| mode.closure[i] * self.mode(model, m).predicted).sum()
     }
 
     /// The number of the last step in a column of a load.
@@ -84,10 +79,9 @@ impl LaneStart {
     }
 
     /// Term that summing the viscous loss by parts leaves at the start \[J\].
-    pub(super) fn first_loss(&self, case: &PreparedCase) -> f64 {
-        let model = &case.tabulated.step_model;
+    pub(super) fn first_loss(&self, model: &StepModel) -> f64 {
         let term = |(m, mode): (usize, &ModeStep)| {
-            mode.dynamics.rate / (12.0 * model.step) * self.mode(case, m).increment.powi(2)
+            mode.dynamics.rate / (12.0 * model.step) * self.mode(model, m).increment.powi(2)
         };
         model.modes.iter().enumerate().map(term).sum()
     }

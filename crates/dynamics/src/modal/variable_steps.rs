@@ -75,7 +75,8 @@ impl StepControl {
 /// End of a case at steps of its own.
 #[derive(Debug)]
 pub(super) enum Ended {
-    Whole(Box<CaseResponse>),
+    /// The whole response, with its history if it was recorded.
+    Whole(Box<CaseResponse>, History),
     /// Left to equal steps, which serve as well.
     Midway(Box<Midway>),
 }
@@ -90,10 +91,7 @@ pub(super) fn respond(
     stop: &AtomicBool,
 ) -> Result<Ended, DynamicsError> {
     let recording = Recording::Filtered { decimation, may_end_midway };
-    Ok(match recording.run(case, StepControl::of(case)?, (set, stop))? {
-        Run::Whole(response, _) => Ended::Whole(response),
-        Run::Midway(midway) => Ended::Midway(midway),
-    })
+    recording.run(case, StepControl::of(case)?, (set, stop))
 }
 
 /// The whole response to a case at steps of its own, whose samples are at ends of base steps.
@@ -111,19 +109,13 @@ pub(super) fn transient(
         ..longest
     };
     match Recording::Every(parts).run(case, control, (set, stop))? {
-        Run::Whole(response, history) => {
+        Ended::Whole(response, history) => {
             let CaseResponse { step, integrated_steps: steps, contacts, energy, .. } = *response;
             Ok(Transient { step, steps, history, contacts, energy })
         }
         // Not asked for.
-        Run::Midway(_) => Err(DynamicsError::InstructionSet { set }),
+        Ended::Midway(_) => Err(DynamicsError::InstructionSet { set }),
     }
-}
-
-/// A run to its end, or midway.
-enum Run {
-    Whole(Box<CaseResponse>, History),
-    Midway(Box<Midway>),
 }
 
 /// Record of the motion.
@@ -141,7 +133,7 @@ impl Recording<'_> {
         case: &TransientCase,
         control: StepControl,
         on: (InstructionSet, &AtomicBool),
-    ) -> Result<Run, DynamicsError> {
+    ) -> Result<Ended, DynamicsError> {
         match case.model.rows() {
             1 => self.of::<1>(case, control, on),
             2 => self.of::<2>(case, control, on),
@@ -156,7 +148,7 @@ impl Recording<'_> {
         case: &TransientCase,
         control: StepControl,
         (set, stop): (InstructionSet, &AtomicBool),
-    ) -> Result<Run, DynamicsError> {
+    ) -> Result<Ended, DynamicsError> {
         let exponents = first_table_exponents(case);
         let mut run: Integration<'_, N> =
             Integration::new(&case.model, &case.load, &exponents, control)?;
@@ -189,7 +181,7 @@ impl Recording<'_> {
         };
         on(set, Steps(&mut run, record, stop))??;
         if let (true, Some(watch)) = (midway, watch) {
-            return Ok(Run::Midway(Box::new(watch.midway(&run, readings))));
+            return Ok(Ended::Midway(Box::new(watch.midway(&run, readings))));
         }
         // The state at the very end is beyond the samples.
         readings.truncate(control.steps);
@@ -207,7 +199,7 @@ impl Recording<'_> {
             is_of_second_order: false,
             table_exponents: exponents,
         };
-        Ok(Run::Whole(Box::new(response), history))
+        Ok(Ended::Whole(Box::new(response), history))
     }
 }
 

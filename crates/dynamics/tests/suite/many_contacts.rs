@@ -8,7 +8,7 @@ use crate::support::half_spaces::relative_norm;
 use crate::support::{DISC, damped, every_law, pulse, rig, slope, three_bodies};
 use crate::variable_steps::{DURATION, PULL, block, exact};
 use asperity_dynamics::{
-    Batch, DynamicsError, ManyContacts, Modal, ModalModel, Sampling, TransientCase,
+    Batch, DynamicsError, ManyContacts, ModalModel, Sampling, Transient, TransientCase,
 };
 use asperity_law::{ContactDamping, ContactLaw, Power};
 use asperity_mesh::{ComponentModes, NormalMode, Port, PortPair, ResidualFlexibility, Stack};
@@ -22,6 +22,23 @@ fn reduced(stack: &Stack, modes: usize) -> Arc<PreloadedStructure<ComponentModes
     Arc::new(structure.reduced_to(&counts, &[Port::TOP]).unwrap())
 }
 
+/// The response by short equal steps of the vector kernel.
+fn by_the_vector_kernel(
+    structure: &PreloadedStructure<ComponentModes>,
+    peak: f64,
+    sampling: &Sampling,
+) -> Transient {
+    let case = TransientCase {
+        model: Arc::new(ModalModel::new(structure.clone(), 0, &[0]).unwrap()),
+        load: pulse(peak),
+        sensor: 0,
+        duration: sampling.interval() * sampling.samples() as f64,
+        step: Some(2.5e-7),
+        tolerance: None,
+    };
+    Batch::default().transient(&case, sampling).unwrap()
+}
+
 /// Every law, contact held and lost, against the kernel. Steps are of second order; light bodies that leave their
 /// contacts and fall back need the shortest.
 #[test]
@@ -33,17 +50,7 @@ fn bars_move_as_by_the_vector_kernel() {
                 let structure = reduced(&stack, 6);
                 let system = ManyContacts::new(Arc::clone(&structure), 0, vec![0]).unwrap();
                 let found = system.integrate(&pulse(peak), &sampling, 64).unwrap();
-                let model = ModalModel::new((*structure).clone(), 0, &[0]).unwrap();
-                let case = TransientCase {
-                    model: Arc::new(model),
-                    load: pulse(peak),
-                    sensor: 0,
-                    duration: 4e-3,
-                    step: Some(2.5e-7),
-                    tolerance: None,
-                };
-                let batch = Batch { instructions: Modal::default().instructions };
-                let expected = batch.transient(&case, &sampling).unwrap();
+                let expected = by_the_vector_kernel(&structure, peak, &sampling);
                 let pairs = found.history.interfaces.iter().zip(&expected.history.interfaces);
                 for (own, other) in pairs {
                     let off = relative_norm(&own.closure, &other.closure);
@@ -217,16 +224,7 @@ fn damped_bars_move_as_by_the_vector_kernel() {
                 let structure = reduced(&damped(&rig(law), damping), 6);
                 let system = ManyContacts::new(Arc::clone(&structure), 0, vec![0]).unwrap();
                 let found = system.integrate(&pulse(peak), &sampling, 64).unwrap();
-                let case = TransientCase {
-                    model: Arc::new(ModalModel::new((*structure).clone(), 0, &[0]).unwrap()),
-                    load: pulse(peak),
-                    sensor: 0,
-                    duration: 4e-3,
-                    step: Some(2.5e-7),
-                    tolerance: None,
-                };
-                let batch = Batch { instructions: Modal::default().instructions };
-                let expected = batch.transient(&case, &sampling).unwrap();
+                let expected = by_the_vector_kernel(&structure, peak, &sampling);
                 let name = format!("{name} {damping:?} {peak} N");
                 let lost = expected.contacts.iter().any(|one| one.lost > 0.0);
                 let [own, other] =

@@ -20,8 +20,9 @@ impl<S: Simd, C, const N: usize> Block<'_, S, C, N> {
 
     fn start_lane(&mut self, lane: usize, case: &PreparedCase, start: &LaneStart) {
         let set = |numbers: &mut LaneVector<S>, number: f64| set_lane::<S>(numbers, lane, number);
+        let (tabulated, model) = (&case.tabulated, &case.tabulated.step_model);
         for (m, mode) in self.modes.iter_mut().enumerate() {
-            let state = start.mode(case, m);
+            let state = start.mode(model, m);
             set(&mut mode.predicted, state.predicted);
             set(&mut mode.predicted_increment, state.predicted_increment);
             set(&mut mode.increment, state.increment);
@@ -30,16 +31,17 @@ impl<S: Simd, C, const N: usize> Block<'_, S, C, N> {
             }
         }
         for (i, contact) in self.contacts.iter_mut().enumerate().take(self.coupled) {
-            set(&mut contact.predicted, start.predicted_closure(case, i));
+            let predicted = start.predicted_closure(model, i);
+            set(&mut contact.predicted, tabulated.cells_per_metre(i) * predicted);
         }
-        for (i, damper) in self.dampers.iter_mut().enumerate().take(case.tabulated.damped.len()) {
-            let impulses = start.impulses(i, &case.tabulated.damped[i], &case.tabulated.tables[i]);
+        for (i, damper) in self.dampers.iter_mut().enumerate().take(tabulated.damped.len()) {
+            let impulses = start.impulses(i, &tabulated.damped[i], &tabulated.tables[i]);
             for (impulse, number) in damper.impulse.iter_mut().zip(impulses) {
                 set(impulse, number);
             }
             let [now, before] = start.viscous[i];
             let moved = start.closure[i][0] - start.closure[i][1];
-            let increments = [now - before, moved * case.tabulated.cells_per_metre(i)];
+            let increments = [now - before, moved * tabulated.cells_per_metre(i)];
             start_work::<S>(&mut damper.work, lane, now, increments);
         }
         for (before, column) in self.load_before.iter_mut().zip([&case.load.mean, &case.load.rise])
@@ -48,6 +50,6 @@ impl<S: Simd, C, const N: usize> Block<'_, S, C, N> {
         }
         set(&mut self.reading, start.readings.last().copied().unwrap_or(0.0));
         set(&mut self.load_displacement, start.load_port);
-        set(&mut self.loss, start.first_loss(case));
+        set(&mut self.loss, start.first_loss(model));
     }
 }
