@@ -173,7 +173,7 @@ fn a_newer_input_stops_a_long_run() {
     let slow = |method: Value| json!([["/duration_s", 7], ["/method", method]]);
     for (part, view, changes) in [
         ("hit", "frf", slow(json!({ "kind": "finite_difference", "cell_m": 1e-4 }))),
-        ("hit", "frf", slow(json!({ "kind": "modal", "step_s": 1e-8 }))),
+        ("hit", "frf", slow(json!({ "kind": "modal", "step_s": 2e-7 }))),
         (
             "levels",
             "levels",
