@@ -88,10 +88,6 @@ pub struct Branch {
     pub finer: Option<UnfinishedBranch>,
 }
 
-/// Truncation up to which the multipliers of a response are taken as those of the motion: by experience, stacks with
-/// impacts and 30 harmonics beyond it leave responses called stable in time integration.
-const RESOLVED: f64 = 2e-3;
-
 /// Share of a range of frequency below which a part without a stable response is left out.
 const NARROW: f64 = 1e-3;
 
@@ -121,7 +117,7 @@ impl Branch {
     /// of at most 2e-3; none where stability is not known.
     pub fn highest_stable(&self) -> Option<&PeriodicResponse> {
         let all = self.special.iter().map(|special| &special.response).chain(&self.points);
-        let stable = all.filter(|one| one.stable() == Some(true) && one.truncation <= RESOLVED);
+        let stable = all.filter(|one| one.stable() == Some(true) && one.is_resolved());
         stable.max_by(|a, b| a.amplitude(1).total_cmp(&b.amplitude(1)))
     }
 
@@ -131,9 +127,8 @@ impl Branch {
     pub fn ranges_without_stable(&self, from: f64, to: f64) -> Vec<[f64; 2]> {
         let (low, high) = (from.min(to), from.max(to));
         let spans = self.points.windows(2).filter_map(|pair| {
-            let is_stable = |point: &PeriodicResponse| {
-                point.stable() != Some(false) && point.truncation <= RESOLVED
-            };
+            let is_stable =
+                |point: &PeriodicResponse| point.stable() != Some(false) && point.is_resolved();
             let stable = pair.iter().all(is_stable);
             let [a, b] = [pair[0].frequency_hz(), pair[1].frequency_hz()];
             stable.then_some([a.min(b), a.max(b)])

@@ -13,6 +13,9 @@ use crate::fourier::value_at;
 /// undamped.
 const MARGIN: f64 = 1e-9;
 
+/// Truncation up to which the harmonics of a response suffice.
+const RESOLVED: f64 = 2e-3;
+
 /// Extremes of the pressure at one interface over a period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressureRange {
@@ -104,6 +107,12 @@ impl PeriodicResponse {
     /// True if contact is lost at any interface.
     pub fn contact_lost(&self) -> bool {
         self.pressures.iter().any(|range| range.contact_lost)
+    }
+
+    /// True if the harmonics suffice: the truncation is at most 2e-3. By experience responses with impacts beyond it
+    /// depart from time integration, which leaves some that their multipliers call stable.
+    pub fn is_resolved(&self) -> bool {
+        self.truncation <= RESOLVED
     }
 
     /// True if small disturbances decay: all multipliers lie within the unit circle. `None` if

@@ -1,4 +1,4 @@
-//! Steady responses over frequency: stable parts solid, unstable dashed.
+//! Steady responses over frequency: stable parts solid, unstable dashed, parts whose harmonics do not suffice dotted.
 
 mod report;
 
@@ -90,11 +90,14 @@ fn all(
         let color = Color::ramp_step(index, branches.len());
         let mut name =
             if index < MOST_NAMED { format!("{} {unit}", level.force_n) } else { String::new() };
-        for (stable, points) in parts(&branch.points) {
+        for (kind, points) in parts(&branch.points) {
             let (x, y) = columns(points, |point| observable(level, point));
-            let dash = if stable { Dash::Solid } else { Dash::Dashed };
-            panel =
-                panel.series(Series::line(std::mem::take(&mut name), x, y).color(color).dash(dash));
+            let line = Series::line(std::mem::take(&mut name), x, y).color(color);
+            panel = panel.series(match kind {
+                Part::Stable => line,
+                Part::Unstable => line.dash(Dash::Dashed),
+                Part::Unresolved => line.color(color.lighten(0.5)).dash(Dash::Dotted).width(0.6),
+            });
         }
     }
     for mark in MARKS {
@@ -191,15 +194,28 @@ fn changes_of_contact(branch: &Branch) -> Vec<&PeriodicResponse> {
     changes.map(|pair| if pair[0].contact_lost() { &pair[0] } else { &pair[1] }).collect()
 }
 
-/// Consecutive points of equal stability; each part ends with the first point of the next, so that
+/// Parts of a branch that are drawn alike.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Stable,
+    Unstable,
+    /// Of responses whose harmonics do not suffice.
+    Unresolved,
+}
+
+/// Consecutive points that are drawn alike; each part ends with the first point of the next, so that
 /// the line is not broken.
-fn parts(points: &[PeriodicResponse]) -> Vec<(bool, &[PeriodicResponse])> {
-    let stable = |point: &PeriodicResponse| point.stable() != Some(false);
+fn parts(points: &[PeriodicResponse]) -> Vec<(Part, &[PeriodicResponse])> {
+    let part = |point: &PeriodicResponse| match point.stable() {
+        _ if !point.is_resolved() => Part::Unresolved,
+        Some(false) => Part::Unstable,
+        _ => Part::Stable,
+    };
     let mut parts = Vec::new();
     let mut start = 0;
     for end in 1..=points.len() {
-        if end == points.len() || stable(&points[end]) != stable(&points[start]) {
-            parts.push((stable(&points[start]), &points[start..(end + 1).min(points.len())]));
+        if end == points.len() || part(&points[end]) != part(&points[start]) {
+            parts.push((part(&points[start]), &points[start..(end + 1).min(points.len())]));
             start = end;
         }
     }

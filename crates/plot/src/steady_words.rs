@@ -37,7 +37,14 @@ pub fn peak(branch: &BranchSummary) -> String {
         return "no response".to_owned();
     };
     let ratio = branch.displacement_ratio.unwrap_or(f64::NAN);
-    let numbers = format!("{hz:.3} Hz   u1 {u1:.5e} m   u2/u1 {ratio:.5}");
+    let mut numbers = format!("{hz:.3} Hz   u1 {u1:.5e} m   u2/u1 {ratio:.5}");
+    if branch.peak_is_stable == Some(false) {
+        numbers += "   unstable";
+        let stable = branch.stable_peak_frequency_hz.zip(branch.stable_peak_amplitude_1_m);
+        if let Some((hz, u1)) = stable {
+            let _ = write!(numbers, "; largest stable response {hz:.3} Hz   u1 {u1:.5e} m");
+        }
+    }
     if branch.peak_is_inside {
         return format!("peak {numbers}");
     }

@@ -373,8 +373,8 @@ fn level<S: Shaken>(
     Ok(level)
 }
 
-/// Warnings about the contacts whose pressures leave the measured range on a branch, and about a response
-/// that time integration does not confirm.
+/// Warnings about the contacts whose pressures leave the measured range on a branch, about a largest response whose
+/// harmonics do not suffice, and about a response that time integration does not confirm.
 fn warnings(level: &SteadyLevel, contacts: &[PreloadedContact]) -> Vec<Warning> {
     let points = level.outcome.as_ref().map_or(&[][..], |branch| &branch.points);
     let all: Vec<Vec<PressureRange>> = points.iter().map(|point| level.pressures(point)).collect();
@@ -384,8 +384,14 @@ fn warnings(level: &SteadyLevel, contacts: &[PreloadedContact]) -> Vec<Warning> 
         let highest = ranges().map(|range| range.highest).fold(f64::NEG_INFINITY, f64::max);
         Warning::outside_measured_range(contact, lowest, highest)
     };
+    let branch = level.outcome.as_ref().ok();
+    let highest = branch.and_then(|branch| Some((branch.highest()?, branch.harmonics)));
+    let unresolved = highest.filter(|(peak, _)| !peak.is_resolved()).map(|(peak, harmonics)| {
+        let (frequency_hz, truncation) = (peak.frequency_hz(), peak.truncation);
+        Warning::Unresolved { frequency_hz, harmonics, truncation }
+    });
     let differs = level.check.as_ref().and_then(TimeCheck::warning);
-    contacts.iter().enumerate().filter_map(outside).chain(differs).collect()
+    contacts.iter().enumerate().filter_map(outside).chain(unresolved).chain(differs).collect()
 }
 
 /// Phase resonance up to the largest force, and the damped mode up to the amplitude reached there.

@@ -43,6 +43,15 @@ pub enum Warning {
         /// Difference of the fundamentals over the integrated one.
         relative_difference: f64,
     },
+    /// A steady response that is given as the peak leaves out harmonics that matter.
+    Unresolved {
+        /// Frequency \[Hz\].
+        frequency_hz: f64,
+        /// Harmonics kept.
+        harmonics: usize,
+        /// Largest harmonic of a closure that is estimated to be missing, over the largest kept.
+        truncation: f64,
+    },
     /// The energy balance does not close to [`MOST_RESIDUAL`].
     EnergyBalance {
         /// Remainder of the balance over the input.
@@ -79,6 +88,7 @@ impl Warning {
             Self::AccuracyNotReached { .. } => "accuracy_not_reached",
             Self::Sensitive { .. } => "sensitive",
             Self::IntegrationDiffers { .. } => "integration_differs",
+            Self::Unresolved { .. } => "unresolved",
         }
     }
 }
@@ -116,6 +126,13 @@ impl fmt::Display for Warning {
                  branch is wrong there, or time integration settles on another motion; more \
                  harmonics, `bodies` elastic, or a stepped sine decide",
                 100.0 * relative_difference
+            ),
+            Self::Unresolved { frequency_hz, harmonics, truncation } => write!(
+                f,
+                "the largest response, at {frequency_hz:.3} Hz with harmonics up to number {harmonics}, leaves out one of \
+                 an estimated {:.1} % of the largest: its place and amplitude may be wrong; a check by time \
+                 integration (--verify), a stepped sine (--sweep) or more harmonics decide",
+                100.0 * truncation
             ),
             Self::EnergyBalance { residual_relative } => write!(
                 f,

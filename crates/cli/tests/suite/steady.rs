@@ -137,6 +137,33 @@ fn the_end_of_the_range_is_no_peak() {
     assert_eq!(summary(folder.path())["levels"][0]["peak_is_inside"], false);
 }
 
+/// One harmonic, which puts the peak 44 Hz too low, does not suffice: the answer says so, and so does the table.
+#[test]
+fn too_few_harmonics_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = fixture("scenarios/nouira2020-power.json").display().to_string();
+    let mut peaks = Vec::new();
+    for (harmonics, suffice) in [("1", false), ("9", true)] {
+        let range = ["--amplitude", "2", "--from", "1000", "--to", "700", "--harmonics", harmonics];
+        let out = ["steady", &rig, "--out", "out", "--overwrite", "--bodies", "condensed"];
+        let output = asperity(folder.path(), &[&out[..], &range].concat());
+        let warned = text(&output.stderr).contains("may be wrong");
+        let level = &summary(folder.path())["levels"][0];
+        let kinds = level["warnings"].as_array().unwrap().iter();
+        let is_listed = kinds.clone().any(|warning| warning["kind"] == "unresolved");
+        assert_eq!([warned, is_listed], [!suffice; 2], "{level}");
+        assert_eq!(level["peak_truncation"].as_f64().unwrap() <= 2e-3, suffice, "{level}");
+        assert_eq!(level["peak_is_stable"], suffice, "{level}");
+        assert_eq!(text(&output.stdout).contains("m   u2/u1 0.00000   unstable"), !suffice);
+        peaks.push(level["peak_frequency_hz"].as_f64().unwrap());
+        let table = std::fs::read_to_string(folder.path().join("out/steady.csv")).unwrap();
+        let largest = table.lines().skip(1).map(|row| row.rsplit(',').next().unwrap());
+        let largest = largest.map(|cell| cell.parse().unwrap()).fold(0.0, f64::max);
+        assert_eq!(largest, level["truncation"].as_f64().unwrap());
+    }
+    assert!(peaks[1] - peaks[0] > 40.0, "{peaks:?}");
+}
+
 /// Folds and the unstable part between them are printed, written and drawn.
 #[test]
 fn folds_and_stability_are_printed_and_drawn() {

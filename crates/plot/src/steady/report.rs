@@ -21,7 +21,7 @@ pub fn steady_report(summary: &SteadySummary, figure: Option<&Figure>) -> String
         page = page.section("Responses").interactive_figure(
             "steady",
             "Fundamental of the top, displacement ratio and lowest pressure of all contacts over \
-             frequency. Solid: stable; dashed: unstable. Marks: bifurcations, first loss of contact, \
+             frequency. Solid: stable; dashed: unstable; dotted: the harmonics kept do not suffice. Marks: bifurcations, first loss of contact, \
              and ends of branches before the end of the range.",
             figure,
         );

@@ -58,11 +58,13 @@ class SteadyResponses(Result):
         """Largest response of each branch, a row per amplitude.
 
         ``force_n`` or ``base_acceleration_m_per_s2``, ``peak_frequency_hz``, ``peak_amplitude_1_m``,
-        ``displacement_ratio`` (NaN where there is none), ``peak_is_inside`` (true if it is a peak of a branch that covers the whole
-        range), ``contact_lost``, and ``error`` (text, empty for a branch that was found).
+        ``displacement_ratio``, ``peak_truncation`` (NaN where there is none), ``peak_is_inside`` (true if it is a peak of a branch
+        that covers the whole range), ``contact_lost``, and ``error`` (text, empty for a branch that was found). With
+        ``peak_truncation`` above 2e-3 the harmonics do not suffice.
         """
         levels = self.summary["levels"]
-        numeric = (self._load, "peak_frequency_hz", "peak_amplitude_1_m", "displacement_ratio")
+        peak = ("peak_frequency_hz", "peak_amplitude_1_m", "displacement_ratio", "peak_truncation")
+        numeric = (self._load, *peak)
         columns: dict[str, ArrayLike] = {
             name: np.array([_number(level.get(name)) for level in levels]) for name in numeric
         }

@@ -107,6 +107,10 @@ pub struct BranchSummary {
     pub peak_amplitude_1_m: Option<f64>,
     /// Ratio of displacements u2/u1 of the first sensor there: second harmonic over fundamental.
     pub displacement_ratio: Option<f64>,
+    /// True if that response is stable; none if its stability was not computed.
+    pub peak_is_stable: Option<bool>,
+    /// Largest harmonic of a closure that is estimated to be missing in it, over the largest kept.
+    pub peak_truncation: Option<f64>,
     /// True if that is a peak inside a branch that covers the whole range.
     pub peak_is_inside: bool,
     /// Number of points.
@@ -315,6 +319,8 @@ impl LevelSummary {
             peak_frequency_hz: peak.map(PeriodicResponse::frequency_hz),
             peak_amplitude_1_m: peak.map(|peak| amplitude(peak, 1)),
             displacement_ratio: peak.map(|peak| amplitude(peak, 2) / amplitude(peak, 1)),
+            peak_is_stable: peak.and_then(PeriodicResponse::stable),
+            peak_truncation: peak.map(|peak| peak.truncation),
             peak_is_inside: branch.peak().is_some(),
             points: branch.points.len(),
             harmonics: branch.harmonics,

@@ -72,7 +72,8 @@ pub fn steady_table(steady: &Steady, interfaces: &[&str]) -> DataTable {
     }
     let stable: Vec<Option<bool>> = points.iter().map(|place| place.point.stable()).collect();
     let lost: Vec<bool> = points.iter().map(|place| place.point.contact_lost()).collect();
-    table.with("stable", stable).with("contact_lost", lost)
+    let truncation = column(&|point| point.truncation);
+    table.with("stable", stable).with("contact_lost", lost).with("truncation", truncation)
 }
 
 /// A point of a branch, with the numbers of both, from 1.
