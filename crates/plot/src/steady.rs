@@ -96,7 +96,7 @@ fn all(
             panel = panel.series(match kind {
                 Part::Stable => line,
                 Part::Unstable => line.dash(Dash::Dashed),
-                Part::Unresolved => line.color(color.lighten(0.5)).dash(Dash::Dotted).width(0.6),
+                Part::Unresolved => line.dash(Dash::Dotted),
             });
         }
     }
