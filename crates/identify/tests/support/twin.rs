@@ -6,14 +6,21 @@ use std::fmt::Write as _;
 use asperity_identify::IdentificationProblem;
 use asperity_scenario::Document;
 use asperity_signal::{
-    FrfAverage, FundamentalSearch, HammerOptions, HitLength, HitOptions, HitRecord, ResponseKind,
-    TriggerLevel, analyse_hit, transform_pair_at,
+    DecimationFilter, FrfAverage, FundamentalSearch, HammerOptions, HitLength, HitOptions,
+    HitRecord, ResponseKind, TriggerLevel, analyse_hit, transform_pair_at,
 };
 use asperity_simulation::run::simulate;
 use serde_json::{Value, json};
 
 /// Time before the hit \[s\].
 const BEFORE_S: f64 = 5e-3;
+
+/// Samples of a simulated motion in one of a record, whose filter removes what would alias, as the filter of a recorder
+/// does: high modes of stiff bodies ring above half the sample rate, and one of them may alias onto the second harmonic.
+const OVERSAMPLING: f64 = 4.0;
+
+/// Share of the sample rate of a record up to which its filter passes all.
+const BAND: f64 = 0.22;
 
 /// A change by which simulated frequencies are right to 6e-6 instead of 2e-5: hits share this error, so that
 /// it is not to be seen beside the mean of their noise.
@@ -71,14 +78,19 @@ impl Truth {
         for (pointer, value) in changes {
             document.set(pointer, value).unwrap();
         }
+        let rate = document.value()["output_rate_hz"].as_f64().unwrap();
+        document.set("/output_rate_hz", &(OVERSAMPLING * rate).to_string()).unwrap();
+        let filter = DecimationFilter::keeping(OVERSAMPLING * rate, BAND * rate);
+        assert_eq!(filter.factor() as f64, OVERSAMPLING);
         let hits = peaks.iter().map(|peak| {
             document.set("/excitation/peak_n", &peak.to_string()).unwrap();
             let typed = document.scenario().unwrap();
             let history = simulate(&document, &typed).unwrap().transient.history;
-            (*peak, history.load, history.sensors[0].acceleration.clone())
+            let sampled = |signal: &[f64]| filter.apply(signal, &(0..signal.len()));
+            (*peak, sampled(&history.load), sampled(&history.sensors[0].acceleration))
         });
         let hits = hits.collect();
-        let rate = document.value()["output_rate_hz"].as_f64().unwrap();
+        document.set("/output_rate_hz", &rate.to_string()).unwrap();
         let method = r#"{"kind": "modal", "step_s": 2e-5}"#;
         document.set("/method", method).unwrap();
         let scenario = document.value().clone();
