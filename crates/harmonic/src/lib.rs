@@ -90,8 +90,12 @@ mod error;
 mod factorization;
 mod floquet;
 mod fourier;
+mod gmres;
 mod linear_response;
 mod linear_system;
+mod linearisation;
+#[cfg(test)]
+mod many_contacts_tests;
 mod modal_damping;
 mod periodic_response;
 mod port;
