@@ -101,17 +101,19 @@ impl<'a> Balance<'a> {
     }
 
     /// The equations of many contacts, whose derivatives are products alone; none for a structure that is not given by
-    /// component modes or has friction.
+    /// component modes or has friction. The springs are the contacts' mean tangents times a factor, one but for free
+    /// motions: on the mean tangents themselves the structure is at resonance there.
     pub(crate) fn of_many(
         system: &'a ContactSystem,
-        harmonics: usize,
-        samples: usize,
+        (harmonics, samples): (usize, usize),
+        factor: f64,
     ) -> Option<Self> {
-        if system.friction().is_some() {
+        if !system.is_modal() {
             return None;
         }
-        let at_rest: Vec<f64> = system.contacts().iter().map(PreloadedContact::spring).collect();
-        let linear = ModalReceptances::new(system, harmonics, &at_rest)?;
+        let at_rest: Vec<f64> =
+            system.contacts().iter().map(|contact| factor * contact.spring()).collect();
+        let linear = ModalReceptances::new(system, harmonics, (&at_rest, factor))?;
         let springs = at_rest.into_iter().map(Complex64::from).collect();
         let linear = Receptances::Modal(Box::new(linear));
         Some(Self::with(system, (harmonics, samples), linear, springs))
@@ -149,6 +151,11 @@ impl<'a> Balance<'a> {
             openings: system.contacts().iter().map(|one| Opening::of(one, &fourier)).collect(),
             fourier,
         }
+    }
+
+    /// True for equations of many contacts.
+    pub(crate) fn is_of_many(&self) -> bool {
+        matches!(self.linear, Receptances::Modal(_))
     }
 
     pub(crate) fn system(&self) -> &'a ContactSystem {
@@ -231,7 +238,7 @@ impl<'a> Balance<'a> {
     /// Takes the springs, which are part of the structure, from the forces.
     fn subtract_springs(&mut self, x: &[f64]) {
         let terms = self.fourier.terms();
-        let has_means = matches!(self.linear, Receptances::Modal(_));
+        let has_means = self.is_of_many();
         let contacts =
             self.springs.iter().take(self.system.contacts().len()).zip(x.chunks_exact(terms));
         let forces = self.forces.chunks_exact_mut(terms);

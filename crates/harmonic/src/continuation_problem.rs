@@ -6,9 +6,9 @@ use num_complex::Complex64;
 
 use crate::arc_length::Curve;
 use crate::balance::{Balance, Conditions, Overflow};
-use crate::factorization::{Factorization, dot};
+use crate::factorization::dot;
 use crate::linear_response::{LinearSolver, resonance_near};
-use crate::linearisation::{Border, Iterative, Linearisation};
+use crate::linearisation::{Border, Linearisation};
 use crate::{ContactSystem, Continuation, HarmonicError};
 
 /// Harmonic balance along a [`Continuation`], in unknowns of order one.
@@ -32,7 +32,10 @@ pub(crate) struct ContinuationProblem<'a> {
 }
 
 /// Most unknowns of closures that matrices are factored for, where there is another way.
-const MOST_DIRECT: usize = 400;
+const MOST_DIRECT: usize = 200;
+
+/// Springs over mean tangents, for free motions.
+const OFF_RESONANCE: f64 = 2.0;
 
 /// Points at which the linear response is scanned for its size and width.
 const SCAN: u32 = 200;
@@ -44,20 +47,21 @@ impl<'a> ContinuationProblem<'a> {
         harmonics: usize,
         samples: usize,
     ) -> Result<Self, HarmonicError> {
-        let unknowns = system.pairs() * (2 * harmonics + 1);
-        let many = (unknowns > MOST_DIRECT).then(|| Balance::of_many(system, harmonics, samples));
-        Self::of(many.flatten().ok_or((harmonics, samples)), system, continuation)
+        let resolution = (harmonics, samples);
+        let free = matches!(continuation, Continuation::Mode { .. });
+        let factor = if free { OFF_RESONANCE } else { 1.0 };
+        let many = is_iterative(system, harmonics);
+        let many = many.then(|| Balance::of_many(system, resolution, factor)).flatten();
+        let balance = many.unwrap_or_else(|| Balance::new(system, harmonics, samples));
+        Self::of(balance, continuation)
     }
 
-    /// With the equations of many contacts, or else with the matrices of so many harmonics and samples.
-    fn of(
-        many: Result<Balance<'a>, (usize, usize)>,
-        system: &'a ContactSystem,
+    /// The continuation with given equations.
+    pub(crate) fn of(
+        balance: Balance<'a>,
         continuation: Continuation,
     ) -> Result<Self, HarmonicError> {
-        let is_iterative = many.is_ok();
-        let balance =
-            many.unwrap_or_else(|(harmonics, samples)| Balance::new(system, harmonics, samples));
+        let system = balance.system();
         let mut solver = LinearSolver::new(system);
         let mut size = |w: f64| solver.at(w).map_or(f64::NAN, |found| found.size());
         let (closure, frequency) = match continuation {
@@ -86,22 +90,9 @@ impl<'a> ContinuationProblem<'a> {
             return Err(HarmonicError::NoLinearResponse { frequency_hz: continuation.start().0 });
         }
         let n = balance.unknowns();
-        let gradient = [vec![0.0; n], vec![0.0; n]];
-        let closures = vec![0.0; n];
-        let mut found = Self {
-            balance,
-            linearisation: Linearisation::Iterative(Iterative::default()),
-            continuation,
-            closure,
-            frequency,
-            closures,
-            gradient,
-        };
-        if !is_iterative {
-            let size = found.size() + 1;
-            found.linearisation = Linearisation::Direct(Factorization::new(size));
-        }
-        Ok(found)
+        let linearisation = Linearisation::new(&balance, n + further(continuation) + 1);
+        let (closures, gradient) = (vec![0.0; n], [vec![0.0; n], vec![0.0; n]]);
+        Ok(Self { balance, linearisation, continuation, closure, frequency, closures, gradient })
     }
 
     pub(crate) fn balance(&self) -> &Balance<'a> {
@@ -238,6 +229,20 @@ impl<'a> ContinuationProblem<'a> {
     }
 }
 
+/// True if the equations of so many harmonics are solved by iteration.
+pub(crate) fn is_iterative(system: &ContactSystem, harmonics: usize) -> bool {
+    system.is_modal() && system.pairs() * (2 * harmonics + 1) > MOST_DIRECT
+}
+
+/// Number of unknowns beside the closures and the parameter.
+fn further(continuation: Continuation) -> usize {
+    match continuation {
+        Continuation::Frequency { .. } | Continuation::Force { .. } => 0,
+        Continuation::PhaseResonance { .. } => 1,
+        Continuation::Mode { .. } => 2,
+    }
+}
+
 /// Twice the distance [rad/s] from resonance to where the linear response falls to 1/sqrt(2).
 fn half_power_width(system: &ContactSystem, resonance: f64, peak: f64) -> f64 {
     let mut solver = LinearSolver::new(system);
@@ -255,12 +260,7 @@ fn half_power_width(system: &ContactSystem, resonance: f64, peak: f64) -> f64 {
 
 impl Curve for ContinuationProblem<'_> {
     fn size(&self) -> usize {
-        let more = match self.continuation {
-            Continuation::Frequency { .. } | Continuation::Force { .. } => 0,
-            Continuation::PhaseResonance { .. } => 1,
-            Continuation::Mode { .. } => 2,
-        };
-        self.balance.unknowns() + more
+        self.balance.unknowns() + further(self.continuation)
     }
 
     fn has_kinks(&self) -> bool {
@@ -312,7 +312,7 @@ impl Curve for ContinuationProblem<'_> {
     }
 
     fn is_iterative(&self) -> bool {
-        matches!(self.linearisation, Linearisation::Iterative(_))
+        self.balance.is_of_many()
     }
 
     fn orientation(&self) -> f64 {

@@ -126,3 +126,62 @@ impl Cycle {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::factorization::Factorization;
+
+    /// A matrix without symmetry, its solution by elimination; and the number of products for a unit matrix plus one of
+    /// rank three, four with the one that ends.
+    #[test]
+    fn systems_are_solved() {
+        const SIZE: usize = 150;
+        let entry = |i: usize, j: usize| {
+            let own = if i == j { 3.0 + (i % 5) as f64 } else { 0.0 };
+            own + (1.7 * (i * SIZE + j) as f64).sin() * 0.2
+        };
+        let b: Vec<f64> = (0..SIZE).map(|i| (0.3 * i as f64).cos()).collect();
+        let mut exact = b.clone();
+        let mut factors = Factorization::new(SIZE);
+        for (place, value) in factors.matrix().iter_mut().enumerate() {
+            *value = entry(place / SIZE, place % SIZE);
+        }
+        assert!(factors.factorize());
+        factors.solve(&mut exact);
+        let times = |v: &[f64], out: &mut [f64]| {
+            for (i, out) in out.iter_mut().enumerate() {
+                *out = (0..SIZE).map(|j| entry(i, j) * v[j]).sum();
+            }
+        };
+        for accuracy in [1e-4, 1e-11] {
+            let mut x = b.clone();
+            assert!(solve(times, &mut x, accuracy));
+            let off = x.iter().zip(&exact).map(|(x, e)| (x - e).abs()).fold(0.0, f64::max);
+            assert!(off < 10.0 * accuracy && (accuracy < 1e-8 || off > 1e-9), "{off:.1e}");
+        }
+        let mut products = 0;
+        let mut x = b.clone();
+        let low_rank = |v: &[f64], out: &mut [f64]| {
+            products += 1;
+            let share = |k: usize| (0..SIZE).map(|j| ((k * j) as f64).sin() * v[j]).sum::<f64>();
+            let shares = [share(1), share(2), share(3)];
+            for (i, out) in out.iter_mut().enumerate() {
+                let sum = |k: usize| ((i + k) as f64).cos() * shares[k];
+                *out = v[i] + sum(0) - 2.0 * sum(1) + 0.5 * sum(2);
+            }
+        };
+        assert!(solve(low_rank, &mut x, 1e-10));
+        assert!(products <= 5, "{products}");
+    }
+
+    /// A singular matrix has no solution for most right-hand sides, and numbers that are not finite none at all.
+    #[test]
+    fn what_has_no_solution_is_told() {
+        let first = |v: &[f64], out: &mut [f64]| (out[0], out[1]) = (v[0] + v[1], 0.0);
+        assert!(!solve(first, &mut [1.0, 2.0], 1e-8));
+        assert!(!solve(|_, out| out.fill(f64::NAN), &mut [1.0, 2.0], 1e-8));
+        let mut zero = [0.0; 2];
+        assert!(solve(first, &mut zero, 1e-8) && zero == [0.0; 2]);
+    }
+}

@@ -6,8 +6,8 @@ use num_complex::Complex64;
 
 use crate::ContactSystem;
 use crate::balance::{Balance, Conditions};
-use crate::factorization::{Factorization, dot};
-use crate::linearisation::{Border, Iterative, Linearisation};
+use crate::factorization::dot;
+use crate::linearisation::{Border, Linearisation};
 
 /// The response with every contact at its static stiffness: closures' series (mean, cosine, sine
 /// per interface) and complex displacement of the load's port, per unit load.
@@ -36,14 +36,10 @@ pub(crate) struct LinearSolver<'a> {
 
 impl<'a> LinearSolver<'a> {
     pub(crate) fn new(system: &'a ContactSystem) -> Self {
-        let many = (system.pairs() > MOST_DIRECT).then(|| Balance::of_many(system, 1, SAMPLES));
-        let many = many.flatten();
-        let linearisation = |n: usize| match many {
-            Some(_) => Linearisation::Iterative(Iterative::default()),
-            None => Linearisation::Direct(Factorization::new(n)),
-        };
-        let linearisation = linearisation(3 * system.pairs());
+        let many = system.pairs() > MOST_DIRECT;
+        let many = many.then(|| Balance::of_many(system, (1, SAMPLES), 1.0)).flatten();
         let balance = many.unwrap_or_else(|| Balance::new(system, 1, SAMPLES));
+        let linearisation = Linearisation::new(&balance, balance.unknowns());
         let n = balance.unknowns();
         Self { balance, linearisation, gradient: [vec![0.0; n], vec![0.0; n]] }
     }

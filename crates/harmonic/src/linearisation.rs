@@ -23,6 +23,15 @@ pub(crate) enum Linearisation {
 }
 
 impl Linearisation {
+    /// For the equations of `balance` in so many unknowns, further ones and the parameter included.
+    pub(crate) fn new(balance: &Balance<'_>, size: usize) -> Self {
+        if balance.is_of_many() {
+            Self::Iterative(Iterative::default())
+        } else {
+            Self::Direct(Factorization::new(size))
+        }
+    }
+
     /// Takes the derivatives at the motion that `balance` evaluated last, with `last` as the last row, or without a
     /// border; false if they are singular.
     pub(crate) fn take(&mut self, balance: &Balance<'_>, border: Border, last: &[f64]) -> bool {

@@ -39,6 +39,8 @@ pub(super) struct ModalReceptances {
     shapes: Mat<f64>,
     flexibility: Mat<f64>,
     springs: Vec<f64>,
+    /// Springs over the mean tangents that they follow.
+    factor: f64,
     on_springs: OnSprings,
     at: (f64, f64),
     /// Factors of Z at each harmonic.
@@ -88,7 +90,11 @@ impl OnSprings {
 impl ModalReceptances {
     /// Receptances at so many harmonics of a system in component modes on the springs of its contacts at rest; none
     /// for another system.
-    pub(super) fn new(system: &ContactSystem, harmonics: usize, springs: &[f64]) -> Option<Self> {
+    pub(super) fn new(
+        system: &ContactSystem,
+        harmonics: usize,
+        (springs, factor): (&[f64], f64),
+    ) -> Option<Self> {
         let modes: &ComponentModes = system.linear().as_component_modes()?;
         let places = places(modes, system.ports());
         let RigidMotions { modes: rigid, held } = RigidMotions::of(modes);
@@ -110,6 +116,7 @@ impl ModalReceptances {
             shapes: Mat::from_fn(places.len(), all.len(), |a, r| all[r].closure(places[a])),
             flexibility: flexibility(modes, &places),
             springs: springs.to_vec(),
+            factor,
             on_springs: OnSprings {
                 flexibility: Mat::new(),
                 shapes: Mat::new(),
@@ -128,9 +135,9 @@ impl ModalReceptances {
         &self.springs
     }
 
-    /// Puts the structure on springs of the stiffness `wanted` \[N/m\], if they differ much from those that it is on.
-    pub(super) fn follow(&mut self, wanted: impl Iterator<Item = f64>) {
-        let wanted: Vec<f64> = wanted.map(|k| k.max(0.0)).collect();
+    /// Puts the structure on springs for the mean `tangents` \[N/m\], if they differ much from those that it is on.
+    pub(super) fn follow(&mut self, tangents: impl Iterator<Item = f64>) {
+        let wanted: Vec<f64> = tangents.map(|k| self.factor * k.max(0.0)).collect();
         let pairs = || wanted.iter().zip(&self.springs);
         let stiffest = pairs().map(|(a, b)| a.max(*b)).fold(0.0, f64::max);
         let change = pairs().map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
