@@ -374,7 +374,9 @@ impl<'a> Balance<'a> {
         let terms = self.fourier.terms();
         for series in out.chunks_exact_mut(terms) {
             for (k, pair) in (1..).map(f64::from).zip(series[1..].chunks_exact_mut(2)) {
-                pair.iter_mut().for_each(|slope| *slope *= k);
+                for slope in pair {
+                    *slope *= k;
+                }
             }
         }
         let Some(damped) = &self.damped else { return };

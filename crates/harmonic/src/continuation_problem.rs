@@ -330,7 +330,9 @@ impl ContinuationProblem<'_> {
         let by_frequency = |balance: &Balance<'_>| {
             let mut column = vec![0.0; n];
             balance.d_residual_d_frequency(&at, &mut column);
-            column.iter_mut().for_each(|slope| *slope *= scale);
+            for slope in &mut column {
+                *slope *= scale;
+            }
             column
         };
         if let Continuation::Frequency { .. } = self.continuation {

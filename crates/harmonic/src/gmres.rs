@@ -107,7 +107,9 @@ impl Cycle {
         self.columns.push(column);
         let goes_on = length > 1e-15 * before;
         if goes_on {
-            next.iter_mut().for_each(|x| *x /= length);
+            for x in &mut next {
+                *x /= length;
+            }
             self.basis.push(next);
         }
         goes_on

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use asperity_law::{ContactDamping, ContactLaw, Power};
 use asperity_mesh::{ComponentModes, NormalMode, PortPair, ResidualFlexibility};
-use asperity_structure::{Damping, PreloadedStructure, UnloadedContact, contacts_at_rest};
+use asperity_structure::{
+    Damping, PreloadedContact, PreloadedStructure, UnloadedContact, contacts_at_rest,
+};
 
 use crate::arc_length::ArcLength;
 use crate::balance::{Balance, Conditions};
@@ -131,7 +133,7 @@ fn largest(values: &[f64]) -> f64 {
 
 /// A motion of three harmonics that opens and closes cells.
 fn motion(system: &ContactSystem, terms: usize) -> Vec<f64> {
-    let deepest = system.contacts().iter().map(|one| one.closure()).fold(0.0, f64::max);
+    let deepest = system.contacts().iter().map(PreloadedContact::closure).fold(0.0, f64::max);
     let of = |at: usize| {
         let (i, k) = (at / terms, at % terms);
         0.5 * deepest * (1.0 + 3.0 * i as f64 + 0.7 * k as f64).sin() / (1.0 + k as f64)

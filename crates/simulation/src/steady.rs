@@ -14,8 +14,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_harmonic::{
-    Branch, ContactSystem, Continuation, Floquet, FourierResolution, HarmonicError, HarmonicSettings,
-    LawEvaluation, PeriodicResponse, PressureRange, StepControl,
+    Branch, ContactSystem, Continuation, Floquet, FourierResolution, HarmonicError,
+    HarmonicSettings, LawEvaluation, PeriodicResponse, PressureRange, StepControl,
 };
 use asperity_structure::PreloadedContact;
 use rayon::prelude::*;

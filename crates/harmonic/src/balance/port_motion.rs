@@ -34,7 +34,9 @@ impl Balance<'_> {
             let places = pairs + ports.start..pairs + ports.end;
             linear.respond(places, part, forces, &mut series);
         }
-        series.iter_mut().for_each(|u| *u = -*u);
+        for u in &mut series {
+            *u = -*u;
+        }
         series
     }
 

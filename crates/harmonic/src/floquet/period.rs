@@ -130,8 +130,7 @@ impl Period {
             };
             let error = between.iter().enumerate().map(off).fold(0.0, f64::max);
             nodes = nodes.into_iter().zip(between).flat_map(|(a, b)| [a, b]).collect();
-            // Not a number, too, ends it.
-            if !(error > NODE_ERROR * largest) || nodes.len() >= MOST_NODES {
+            if error <= NODE_ERROR * largest || nodes.len() >= MOST_NODES {
                 break;
             }
         }
@@ -146,7 +145,8 @@ impl Period {
         let fastest = (frequency.powi(2) + stiffness).sqrt().max(rate + damping);
         let steps = steps(fastest, w, false)?;
         (self.steps, self.interfaces) = (steps, system.contacts().len());
-        (self.stiffness.clear(), self.damping.clear());
+        self.stiffness.clear();
+        self.damping.clear();
         for step in 0..steps {
             for share in &self.places {
                 let place = (step as f64 + share) / steps as f64 * nodes.len() as f64;
