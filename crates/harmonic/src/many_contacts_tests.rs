@@ -24,7 +24,7 @@ use crate::{
 pub(crate) struct Block {
     pub(crate) cells: [usize; 2],
     pub(crate) elastic: usize,
-    /// Share of the length of a cell that gaps are of, in closures at rest.
+    /// Largest gap over the closure at 100 kPa.
     pub(crate) roughness: f64,
     pub(crate) damping: Option<ContactDamping>,
     pub(crate) retardation: f64,
@@ -115,7 +115,7 @@ impl Block {
     }
 }
 
-/// A block of 4 times 3 cells, a third of them open at rest.
+/// A block of 4 times 3 cells with gaps.
 fn small() -> Block {
     Block {
         cells: [4, 3],
@@ -300,7 +300,7 @@ fn assert_same(a: &PeriodicResponse, b: &PeriodicResponse) {
     assert!(a.truncation < 3.0 * b.truncation && b.truncation < 3.0 * a.truncation);
 }
 
-/// Responses of a rough block over frequency, most of which open cells.
+/// Responses of a block over frequency with 9 harmonics.
 pub(crate) fn responses(block: &Block, force: f64, stability: Option<Floquet>) -> Branch {
     let near = block.structure().natural_frequency().unwrap();
     let resolution = FourierResolution::Fixed { harmonics: 9, samples: 144 };

@@ -39,7 +39,8 @@ fn write_lattice(folder: &Path) {
             writeln!(stiffness, "{node} {node} {:e}", 2e7 * neighbours as f64).unwrap();
             writeln!(mass, "{node} {node} 0.02").unwrap();
             writeln!(rows, "{node}.3").unwrap();
-            writeln!(patches[usize::from(node.is_multiple_of(3))], "{node},1e-5,{node},3,-1").unwrap();
+            writeln!(patches[usize::from(node.is_multiple_of(3))], "{node},1e-5,{node},3,-1")
+                .unwrap();
             writeln!(loads, "{node},3,{:.3}", -1.0 - 0.5 * (0.9 * node as f64).sin()).unwrap();
         }
     }
