@@ -2,7 +2,7 @@
 
 use crate::StepControl;
 use crate::balance::Overflow;
-use crate::factorization::{Factorization, dot};
+use crate::factorization::dot;
 
 /// `size` equations in `size + 1` unknowns of order one, the last of which is the parameter.
 pub(crate) trait Curve {
@@ -21,8 +21,20 @@ pub(crate) trait Curve {
     /// Writes the residual.
     fn residual(&mut self, v: &[f64], out: &mut [f64]);
 
-    /// Writes `size` rows of `size + 1` derivatives; `column` is scratch of `size` values.
-    fn jacobian(&mut self, v: &[f64], column: &mut [f64], out: &mut [f64]);
+    /// Takes the derivatives at `v`, evaluated last, as `size` rows with one of `size + 1` numbers below them; false if
+    /// they are singular.
+    fn linearise(&mut self, v: &[f64], last: &[f64]) -> bool;
+
+    /// Solves the equations linearised last for a right-hand side, in place, to a relative accuracy; false if the
+    /// solution is not found.
+    fn solve(&self, x: &mut [f64], accuracy: f64) -> bool;
+
+    /// True if equations are solved by iteration: to linearise them costs little, and the sign of their determinant is not
+    /// known.
+    fn is_iterative(&self) -> bool;
+
+    /// Sign of the determinant; constant where it is not known.
+    fn orientation(&self) -> f64;
 }
 
 /// A solution with its unit tangent.
@@ -77,6 +89,10 @@ enum Constraint<'p> {
 const CONVERGED: f64 = 1e-13;
 const STALLED: f64 = 1e-10;
 
+/// Relative accuracy of a step of Newton's method and of a tangent, for a curve that solves by iteration.
+const STEP_ACCURACY: f64 = 1e-5;
+const TANGENT_ACCURACY: f64 = 1e-10;
+
 /// Relative residual of a point whose Jacobian serves for the tangent at the solution next to it.
 const CLOSE: f64 = 1e-7;
 
@@ -111,9 +127,7 @@ const LOCATING: usize = 60;
 pub(crate) struct ArcLength<C> {
     pub(crate) curve: C,
     pub(crate) control: StepControl,
-    factors: Factorization,
     residual: Vec<f64>,
-    column: Vec<f64>,
     predicted: Vec<f64>,
     step: f64,
     /// Points at which a corner was passed.
@@ -126,9 +140,7 @@ impl<C: Curve> ArcLength<C> {
         Self {
             curve,
             control,
-            factors: Factorization::new(size + 1),
             residual: vec![0.0; size + 1],
-            column: vec![0.0; size],
             predicted: vec![0.0; size + 1],
             step: control.first,
             corners: Vec::new(),
@@ -149,7 +161,7 @@ impl<C: Curve> ArcLength<C> {
         let iterations = self.correct(&mut unknowns, constraint, &mut tangent)?;
         // With the parameter's unit row in place of a tangent t the determinant is its own times
         // `sense / |t|^2`.
-        let orientation = sense * self.factors.determinant_sign();
+        let orientation = sense * self.curve.orientation();
         Ok(CurvePoint { unknowns, tangent, iterations, orientation, curving: None })
     }
 
@@ -174,7 +186,7 @@ impl<C: Curve> ArcLength<C> {
         let constraint = Constraint::Normal { through: &through, tangent: &from.tangent };
         let solved = self.correct(&mut unknowns, constraint, &mut tangent);
         self.predicted = through;
-        let orientation = self.factors.determinant_sign();
+        let orientation = self.curve.orientation();
         Ok(CurvePoint { unknowns, tangent, iterations: solved?, orientation, curving: None })
     }
 
@@ -236,7 +248,6 @@ impl<C: Curve> ArcLength<C> {
     /// The direction of the curve beyond the corner is the tangent of the Jacobian evaluated ahead, in the sense that
     /// keeps the orientation.
     fn around_corner(&mut self, from: &CurvePoint, s: f64) -> Option<CurvePoint> {
-        let size = self.curve.size();
         let mut direction = from.tangent.clone();
         let mut at = from.unknowns.clone();
         for _ in 0..CORNER_DIRECTIONS {
@@ -244,14 +255,12 @@ impl<C: Curve> ArcLength<C> {
                 *x = x0 + s * t;
             }
             self.curve.evaluate(&at).ok()?;
-            self.curve.jacobian(&at, &mut self.column, self.factors.matrix());
-            self.factors.matrix()[size * (size + 1)..].copy_from_slice(&direction);
-            if !self.factors.factorize() {
+            if !self.curve.linearise(&at, &direction) {
                 return None;
             }
             let constraint = Constraint::Normal { through: &from.unknowns, tangent: &from.tangent };
             self.tangent(constraint, &mut direction, 0, 0.0).ok()?;
-            if self.factors.determinant_sign() != from.orientation {
+            if self.curve.orientation() != from.orientation {
                 for t in &mut direction {
                     *t = -*t;
                 }
@@ -311,6 +320,8 @@ impl<C: Curve> ArcLength<C> {
     ) -> Result<usize, CorrectorFailure> {
         let size = self.curve.size();
         let mut last = f64::INFINITY;
+        let mut unit = vec![0.0; size + 1];
+        unit[size] = 1.0;
         if let Constraint::Parameter { value, .. } = constraint {
             unknowns[size] = value;
         }
@@ -323,35 +334,31 @@ impl<C: Curve> ArcLength<C> {
             if !converged && (iteration == ITERATIONS || norm.is_nan() || norm > 1e6) {
                 return Err(CorrectorFailure::Stalled(norm));
             }
-            let close = converged && last <= CLOSE;
+            let close = converged && last <= CLOSE && !self.curve.is_iterative();
             last = norm;
             if close {
                 return self.tangent(constraint, tangent, iteration, norm);
             }
-            self.curve.jacobian(unknowns, &mut self.column, self.factors.matrix());
-            let row = &mut self.factors.matrix()[size * (size + 1)..];
-            self.residual[size] = match constraint {
-                Constraint::Normal { through, tangent } => {
-                    row.copy_from_slice(tangent);
-                    tangent
-                        .iter()
-                        .zip(unknowns.iter().zip(through))
-                        .map(|(t, (x, p))| t * (x - p))
-                        .sum()
-                }
-                Constraint::Parameter { .. } => {
-                    row.fill(0.0);
-                    row[size] = 1.0;
-                    0.0
-                }
+            let row = match constraint {
+                Constraint::Normal { tangent, .. } => tangent,
+                Constraint::Parameter { .. } => &unit[..],
             };
-            if !self.factors.factorize() {
+            if !self.curve.linearise(unknowns, row) {
                 return Err(CorrectorFailure::Stalled(norm));
             }
             if converged {
                 return self.tangent(constraint, tangent, iteration, norm);
             }
-            self.factors.solve(&mut self.residual);
+            self.residual[size] = match constraint {
+                Constraint::Normal { through, tangent } => {
+                    let steps = tangent.iter().zip(unknowns.iter().zip(through));
+                    steps.map(|(t, (x, p))| t * (x - p)).sum()
+                }
+                Constraint::Parameter { .. } => 0.0,
+            };
+            if !self.curve.solve(&mut self.residual, STEP_ACCURACY) {
+                return Err(CorrectorFailure::Stalled(norm));
+            }
             for (x, dx) in unknowns.iter_mut().zip(&self.residual) {
                 *x -= dx;
             }
@@ -373,7 +380,9 @@ impl<C: Curve> ArcLength<C> {
             Constraint::Normal { .. } => 1.0,
             Constraint::Parameter { sense, .. } => sense,
         };
-        self.factors.solve(tangent);
+        if !self.curve.solve(tangent, TANGENT_ACCURACY) {
+            return Err(CorrectorFailure::Stalled(residual));
+        }
         let length = dot(tangent, tangent).sqrt();
         for t in tangent.iter_mut() {
             *t /= length;
@@ -402,11 +411,19 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::factorization::Factorization;
 
     /// A curve in x and l by its equation and the derivatives with respect to both.
     struct PlaneCurve {
         equation: fn(f64, f64) -> f64,
         derivatives: fn(f64, f64) -> [f64; 2],
+        factors: Factorization,
+    }
+
+    impl PlaneCurve {
+        fn new(equation: fn(f64, f64) -> f64, derivatives: fn(f64, f64) -> [f64; 2]) -> Self {
+            Self { equation, derivatives, factors: Factorization::new(2) }
+        }
     }
 
     impl Curve for PlaneCurve {
@@ -425,18 +442,28 @@ mod tests {
         fn residual(&mut self, v: &[f64], out: &mut [f64]) {
             out[0] = (self.equation)(v[0], v[1]);
         }
-        fn jacobian(&mut self, v: &[f64], _: &mut [f64], out: &mut [f64]) {
-            out[..2].copy_from_slice(&(self.derivatives)(v[0], v[1]));
+        fn linearise(&mut self, v: &[f64], last: &[f64]) -> bool {
+            let rows = self.factors.matrix();
+            rows[..2].copy_from_slice(&(self.derivatives)(v[0], v[1]));
+            rows[2..].copy_from_slice(last);
+            self.factors.factorize()
+        }
+        fn solve(&self, x: &mut [f64], _: f64) -> bool {
+            self.factors.solve(x);
+            true
+        }
+        fn is_iterative(&self) -> bool {
+            false
+        }
+        fn orientation(&self) -> f64 {
+            self.factors.determinant_sign()
         }
     }
 
     /// The circle x^2 + l^2 = 1, whose folds are at l = -1 and 1.
     #[test]
     fn a_circle_is_followed_around_and_its_folds_located() {
-        let circle = PlaneCurve {
-            equation: |x, l| x * x + l * l - 1.0,
-            derivatives: |x, l| [2.0 * x, 2.0 * l],
-        };
+        let circle = PlaneCurve::new(|x, l| x * x + l * l - 1.0, |x, l| [2.0 * x, 2.0 * l]);
         let mut arc = ArcLength::new(circle, StepControl::default());
         let mut point = arc.solve_at(&[0.9, 0.0], 1.0).unwrap();
         assert!((point.unknowns[0] - 1.0).abs() < 1e-12);
@@ -461,9 +488,11 @@ mod tests {
     #[test]
     fn a_corner_shorter_than_any_step_is_passed() {
         const B: f64 = 1e5;
-        let grazing = || PlaneCurve {
-            equation: |x, l| x - l - 2.0 / 3.0 * B * x.max(0.0).powf(1.5),
-            derivatives: |x, _| [1.0 - B * x.max(0.0).sqrt(), -1.0],
+        let grazing = || {
+            PlaneCurve::new(
+                |x, l| x - l - 2.0 / 3.0 * B * x.max(0.0).powf(1.5),
+                |x, _| [1.0 - B * x.max(0.0).sqrt(), -1.0],
+            )
         };
         for start in [-0.3, -0.31, -0.3123] {
             let mut arc = ArcLength::new(grazing(), StepControl::default());
@@ -489,10 +518,10 @@ mod tests {
     #[test]
     fn a_step_does_not_pass_over_what_lies_between() {
         for start in [-0.5, -0.52, -0.54, -0.56, -0.58] {
-            let edge = PlaneCurve {
-                equation: |x, l| x - 0.015 * (l / 0.01).tanh(),
-                derivatives: |_, l| [1.0, -1.5 / (l / 0.01).cosh().powi(2)],
-            };
+            let edge = PlaneCurve::new(
+                |x, l| x - 0.015 * (l / 0.01).tanh(),
+                |_, l| [1.0, -1.5 / (l / 0.01).cosh().powi(2)],
+            );
             let mut arc = ArcLength::new(edge, StepControl::default());
             let mut point = arc.solve_at(&[0.0, start], 1.0).unwrap();
             let mut inside = 0;

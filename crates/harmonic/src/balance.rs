@@ -1,7 +1,9 @@
 //! The equations of harmonic balance and their derivatives.
 
 mod damped_forces;
+mod dense_receptances;
 mod friction_loop;
+mod modal_receptances;
 mod opening;
 mod port_motion;
 #[cfg(test)]
@@ -10,10 +12,14 @@ mod tests;
 use asperity_structure::PreloadedContact;
 use num_complex::Complex64;
 
-use crate::fourier::{Fourier, amplitude_of};
-use crate::{Compliance, ContactSystem, Dual, MeanBalance};
+use crate::ContactSystem;
+use crate::dual::Part;
+use crate::factorization::dot;
+use crate::fourier::Fourier;
 use damped_forces::DampedForces;
+use dense_receptances::DenseReceptances;
 use friction_loop::{ContactForce, FEWEST_SAMPLES, FrictionLoop};
+use modal_receptances::ModalReceptances;
 use opening::Opening;
 
 /// Frequency, anti-damping and force of a periodic motion.
@@ -45,18 +51,21 @@ pub(crate) struct Overflow {
 /// R_k = X_k + G_k (P_k - K_0 X_k) - g_k F_k,    F_1 = F, other F_k = 0,
 /// ```
 ///
-/// and for the means the structure's [`MeanBalance`], its rows scaled to closures. P is the series
+/// and for the means the structure's [`MeanBalance`](crate::MeanBalance), its rows scaled to closures. P is the series
 /// of the contact forces at the samples of a period (alternating frequency-time), those of damped
 /// contacts from closures and their rates. The compliance of
 /// the structure without springs gives the same equations, but that of a light body at high
 /// frequency is many times the result: rounding would leave `eps K_0 / (m w^2)` of it. The springs
 /// have the contacts' stiffness at rest and a loss factor, so that nothing resonates on them.
-#[derive(Debug, Clone)]
+///
+/// With [many contacts](Self::of_many) the springs are real and follow the mean tangents of the motion, and the means
+/// are harmonic 0 of the same equations. The derivative of the residual is then near the unit matrix where the
+/// tangents change little within the period.
+#[derive(Debug)]
 pub(crate) struct Balance<'a> {
     system: &'a ContactSystem,
     fourier: Fourier,
-    mean: MeanBalance,
-    compliances: Vec<Compliance>,
+    linear: Receptances,
     at: (f64, f64),
     closure_samples: Vec<f64>,
     force_samples: Vec<f64>,
@@ -75,32 +84,61 @@ pub(crate) struct Balance<'a> {
     openings: Vec<Option<Opening>>,
 }
 
+/// The linear structure.
+#[derive(Debug)]
+enum Receptances {
+    Dense(DenseReceptances),
+    Modal(Box<ModalReceptances>),
+}
+
 impl<'a> Balance<'a> {
+    /// The equations with matrices of the contacts, which [`d_residual_d_closures`](Self::d_residual_d_closures) needs.
     pub(crate) fn new(system: &'a ContactSystem, harmonics: usize, samples: usize) -> Self {
+        let stiffest = system.contacts().iter().map(PreloadedContact::spring).fold(0.0, f64::max);
+        let linear = DenseReceptances::new(system, harmonics, stiffest);
+        let springs = springs(system, SPRING_LOSS);
+        Self::with(system, (harmonics, samples), Receptances::Dense(linear), springs)
+    }
+
+    /// The equations of many contacts, whose derivatives are products alone; none for a structure that is not given by
+    /// component modes or has friction. The springs are the contacts' mean tangents times a factor, one but for free
+    /// motions: on the mean tangents themselves the structure is at resonance there.
+    pub(crate) fn of_many(
+        system: &'a ContactSystem,
+        (harmonics, samples): (usize, usize),
+        factor: f64,
+    ) -> Option<Self> {
+        if !system.is_modal() {
+            return None;
+        }
+        let at_rest: Vec<f64> =
+            system.contacts().iter().map(|contact| factor * contact.spring()).collect();
+        let linear = ModalReceptances::new(system, harmonics, (&at_rest, factor))?;
+        let springs = at_rest.into_iter().map(Complex64::from).collect();
+        let linear = Receptances::Modal(Box::new(linear));
+        Some(Self::with(system, (harmonics, samples), linear, springs))
+    }
+
+    fn with(
+        system: &'a ContactSystem,
+        (harmonics, samples): (usize, usize),
+        linear: Receptances,
+        springs: Vec<Complex64>,
+    ) -> Self {
         let n = system.pairs();
         let least = if system.friction().is_some() { FEWEST_SAMPLES } else { 0 };
         let samples = samples.max(least);
         let fourier = Fourier::new(harmonics, samples);
         let terms = fourier.terms();
-        let mut mean = system.linear().mean_balance(system.ports());
-        // A row without closures balances forces: over the contacts' stiffness it is a closure.
-        let stiffest = system.contacts().iter().map(PreloadedContact::spring).fold(0.0, f64::max);
-        for row in 0..n {
-            let range = row * n..(row + 1) * n;
-            if mean.closure[range.clone()].iter().all(|&a| a == 0.0) {
-                mean.force[range].iter_mut().for_each(|b| *b /= stiffest);
-            }
-        }
         Self {
             system,
-            mean,
-            compliances: vec![Compliance::zero(n, 1); harmonics],
+            linear,
             at: (f64::NAN, f64::NAN),
             closure_samples: vec![0.0; samples * n],
             force_samples: vec![0.0; samples * n],
             tangent_samples: vec![0.0; samples * n],
             tangent_series: vec![0.0; 2 * terms - 1],
-            springs: springs(system, SPRING_LOSS),
+            springs,
             forces: vec![0.0; terms * n],
             products: vec![0.0; terms * terms * n],
             damped: system.is_damped().then(|| DampedForces::new(&fourier, n)),
@@ -113,6 +151,11 @@ impl<'a> Balance<'a> {
             openings: system.contacts().iter().map(|one| Opening::of(one, &fourier)).collect(),
             fourier,
         }
+    }
+
+    /// True for equations of many contacts.
+    pub(crate) fn is_of_many(&self) -> bool {
+        matches!(self.linear, Receptances::Modal(_))
     }
 
     pub(crate) fn system(&self) -> &'a ContactSystem {
@@ -131,13 +174,12 @@ impl<'a> Balance<'a> {
     /// Evaluates compliances, contact forces, and their derivatives with respect to the closures.
     pub(crate) fn evaluate(&mut self, x: &[f64], at: &Conditions) -> Result<(), Overflow> {
         let found = (at.angular_frequency, at.anti_damping);
-        if self.at != found {
-            for (k, compliance) in (1..).map(f64::from).zip(&mut self.compliances) {
-                let (linear, load) = (self.system.linear(), self.system.load());
-                linear.compliance((k * found.0, found.1), load, &self.springs, compliance);
-            }
-            self.at = found;
+        if let Receptances::Dense(linear) = &mut self.linear
+            && self.at != found
+        {
+            linear.update(self.system, found, &self.springs);
         }
+        self.at = found;
         let (terms, samples) = (self.fourier.terms(), self.fourier.samples());
         for i in 0..self.system.contacts().len() {
             let series = &x[i * terms..(i + 1) * terms];
@@ -180,10 +222,33 @@ impl<'a> Balance<'a> {
                 return Err(Overflow { interface: i, closure: f64::NAN });
             }
             self.evaluate_friction(x, i, found.0);
-            let force = &mut self.forces[i * terms..(i + 1) * terms];
-            let product = &mut self.products[i * square..(i + 1) * square];
-            // The springs are part of the structure.
-            let Complex64 { re: elastic, im: loss } = self.springs[i];
+        }
+        if let Receptances::Modal(linear) = &mut self.linear {
+            let tangents = self.products.iter().step_by(terms * terms);
+            linear.follow(tangents.copied());
+            linear.update(found);
+            for (spring, k) in self.springs.iter_mut().zip(linear.springs()) {
+                *spring = Complex64::from(*k);
+            }
+        }
+        self.subtract_springs(x);
+        Ok(())
+    }
+
+    /// Takes the springs, which are part of the structure, from the forces.
+    fn subtract_springs(&mut self, x: &[f64]) {
+        let terms = self.fourier.terms();
+        let has_means = self.is_of_many();
+        let contacts =
+            self.springs.iter().take(self.system.contacts().len()).zip(x.chunks_exact(terms));
+        let forces = self.forces.chunks_exact_mut(terms);
+        let products = self.products.chunks_exact_mut(terms * terms);
+        for (((spring, series), force), product) in contacts.zip(forces).zip(products) {
+            let Complex64 { re: elastic, im: loss } = *spring;
+            if has_means {
+                force[0] -= elastic * series[0];
+                product[0] -= elastic;
+            }
             for k in 1..=self.fourier.harmonics() {
                 let (cos, sin) = (2 * k - 1, 2 * k);
                 force[cos] -= elastic * series[cos] + loss * series[sin];
@@ -194,7 +259,6 @@ impl<'a> Balance<'a> {
                 product[sin * terms + sin] -= elastic;
             }
         }
-        Ok(())
     }
 
     /// Adds the friction that contact `i` bounds.
@@ -240,50 +304,53 @@ impl<'a> Balance<'a> {
 
     /// The residual of the motion last evaluated.
     pub(crate) fn residual(&self, x: &[f64], at: &Conditions, out: &mut [f64]) {
-        let (n, terms) = (self.system.pairs(), self.fourier.terms());
-        for i in 0..n {
-            out[i * terms] = (0..n)
-                .map(|j| {
-                    self.mean.closure[i * n + j] * x[j * terms]
-                        + self.mean.force[i * n + j] * self.forces[j * terms]
-                })
-                .sum();
-            for k in 1..=self.fourier.harmonics() {
-                let place = (&self.compliances[k - 1], i, k);
-                let r = self.linear_part(place, at.force, |receptance| receptance.value);
-                out[i * terms + 2 * k - 1] = x[i * terms + 2 * k - 1] + r.re;
-                out[i * terms + 2 * k] = x[i * terms + 2 * k] - r.im;
-            }
+        self.linear_residual(x, (&self.forces, at.force), out);
+    }
+
+    /// The residual under other forces of the contacts, and a load.
+    fn linear_residual(&self, x: &[f64], forces: (&[f64], f64), out: &mut [f64]) {
+        match &self.linear {
+            Receptances::Dense(linear) => linear.residual(x, forces, out),
+            Receptances::Modal(linear) => linear.residual(x, forces, out),
         }
     }
 
-    /// `G_k P_k - g_k F_k` of one pair, or of a port after the pairs, or the same of a derivative of G and
-    /// g, with `F_1 = force`.
-    fn linear_part(
-        &self,
-        (compliance, row, k): (&Compliance, usize, usize),
-        force: f64,
-        of: impl Fn(&Dual) -> Complex64,
-    ) -> Complex64 {
-        let forces = (&self.forces[..], self.fourier.terms());
-        let load = if k == 1 { force } else { 0.0 };
-        under_forces((compliance, row, k), forces, &of)
-            - of(compliance.get(row, compliance.pairs())) * load
+    /// The derivative of the residual along a change `y` of the closures.
+    pub(crate) fn d_residual_along(&self, y: &[f64], out: &mut [f64]) {
+        let terms = self.fourier.terms();
+        let mut forces = vec![0.0; y.len()];
+        let products = self.products.chunks_exact(terms * terms);
+        for ((force, product), y) in
+            forces.chunks_exact_mut(terms).zip(products).zip(y.chunks_exact(terms))
+        {
+            for (f, row) in force.iter_mut().zip(product.chunks_exact(terms)) {
+                *f = dot(row, y);
+            }
+        }
+        for friction in self.loops.iter().filter(|friction| friction.pair != friction.contact) {
+            let y = &y[friction.contact * terms..][..terms];
+            let force = &mut forces[friction.pair * terms..][..terms];
+            for (f, row) in force.iter_mut().zip(friction.by_contact.chunks_exact(terms)) {
+                *f += dot(row, y);
+            }
+        }
+        self.linear_residual(y, (&forces, 0.0), out);
     }
 
     /// Writes the derivative of the residual with respect to the closures into the upper left of a
-    /// matrix whose rows are `stride` long.
+    /// matrix whose rows are `stride` long. Equations of many contacts have no such matrix: nothing is written.
     pub(crate) fn d_residual_d_closures(&self, stride: usize, out: &mut [f64]) {
+        let Receptances::Dense(linear) = &self.linear else { return };
         let (n, terms) = (self.system.pairs(), self.fourier.terms());
         let square = terms * terms;
         for i in 0..n {
             for j in 0..n {
                 let product = &self.products[j * square..(j + 1) * square];
                 let start = i * terms * stride + j * terms;
-                self.write_block((i, j), product, &mut out[start..], stride, |to, value| {
+                linear.write_block((i, j), product, &mut out[start..], stride, |to, value| {
                     *to = value;
                 });
-                out[start] += self.mean.closure[i * n + j];
+                out[start] += linear.mean_closure(i, j);
                 if i == j {
                     (1..terms).for_each(|term| out[start + term * (stride + 1)] += 1.0);
                 }
@@ -294,79 +361,41 @@ impl<'a> Balance<'a> {
             for i in 0..n {
                 let block = &mut out[i * terms * stride + friction.contact * terms..];
                 let by_contact = &friction.by_contact;
-                self.write_block((i, friction.pair), by_contact, block, stride, |to, value| {
+                linear.write_block((i, friction.pair), by_contact, block, stride, |to, value| {
                     *to += value;
                 });
             }
         }
     }
 
-    /// Puts the rows of pair `i` under the derivatives `product` of the force of pair `j` into the
-    /// leading columns of `out`.
-    #[inline]
-    fn write_block(
-        &self,
-        (i, j): (usize, usize),
-        product: &[f64],
-        out: &mut [f64],
-        stride: usize,
-        put: impl Fn(&mut f64, f64),
-    ) {
-        let terms = self.fourier.terms();
-        let factor = self.mean.force[i * self.system.pairs() + j];
-        for (to, p) in out[..terms].iter_mut().zip(product) {
-            put(to, factor * p);
-        }
-        for k in 1..=self.fourier.harmonics() {
-            let g = self.compliances[k - 1].get(i, j).value;
-            let (cos, sin) = product[(2 * k - 1) * terms..].split_at(terms);
-            let (first, second) = out[(2 * k - 1) * stride..].split_at_mut(stride);
-            let targets = first[..terms].iter_mut().zip(&mut second[..terms]);
-            for ((a, b), (c, s)) in targets.zip(cos.iter().zip(sin)) {
-                put(a, g.re * c + g.im * s);
-                put(b, g.re * s - g.im * c);
-            }
-        }
-    }
-
     /// Derivative of the residual with respect to the angular frequency of the fundamental.
     pub(crate) fn d_residual_d_frequency(&self, at: &Conditions, out: &mut [f64]) {
-        self.d_residual_d_condition(at, out, |k| k as f64, |receptance| receptance.d_frequency);
-        let Some(damped) = &self.damped else { return };
-        let (n, terms) = (self.system.pairs(), self.fourier.terms());
-        for (i, out) in out.chunks_exact_mut(terms).enumerate() {
-            let means = damped.d_frequency.iter().step_by(terms);
-            out[0] +=
-                self.mean.force[i * n..][..n].iter().zip(means).map(|(b, p)| b * p).sum::<f64>();
-            for k in 1..=self.fourier.harmonics() {
-                let (place, slopes) = ((&self.compliances[k - 1], i, k), &damped.d_frequency);
-                let r = under_forces(place, (slopes, terms), |receptance| receptance.value);
-                out[2 * k - 1] += r.re;
-                out[2 * k] -= r.im;
+        self.d_residual_d_condition(at, Part::Frequency, out);
+        let terms = self.fourier.terms();
+        for series in out.chunks_exact_mut(terms) {
+            for (k, pair) in (1..).map(f64::from).zip(series[1..].chunks_exact_mut(2)) {
+                for slope in pair {
+                    *slope *= k;
+                }
             }
         }
+        let Some(damped) = &self.damped else { return };
+        let (nothing, mut more) = (vec![0.0; out.len()], vec![0.0; out.len()]);
+        self.linear_residual(&nothing, (&damped.d_frequency, 0.0), &mut more);
+        out.iter_mut().zip(more).for_each(|(slope, more)| *slope += more);
     }
 
     /// Derivative of the residual with respect to the anti-damping rate.
     pub(crate) fn d_residual_d_anti_damping(&self, at: &Conditions, out: &mut [f64]) {
-        self.d_residual_d_condition(at, out, |_| 1.0, |receptance| receptance.d_anti_damping);
+        self.d_residual_d_condition(at, Part::AntiDamping, out);
     }
 
-    fn d_residual_d_condition(
-        &self,
-        at: &Conditions,
-        out: &mut [f64],
-        factor: impl Fn(usize) -> f64,
-        of: impl Fn(&Dual) -> Complex64,
-    ) {
-        let terms = self.fourier.terms();
-        for i in 0..self.system.pairs() {
-            out[i * terms] = 0.0;
-            for k in 1..=self.fourier.harmonics() {
-                let place = (&self.compliances[k - 1], i, k);
-                let r = self.linear_part(place, at.force, &of) * factor(k);
-                out[i * terms + 2 * k - 1] = r.re;
-                out[i * terms + 2 * k] = -r.im;
+    fn d_residual_d_condition(&self, at: &Conditions, part: Part, out: &mut [f64]) {
+        let forces = (&self.forces[..], at.force);
+        match &self.linear {
+            Receptances::Dense(linear) => linear.slope(part, forces, out),
+            Receptances::Modal(linear) => {
+                linear.respond(0..self.system.pairs(), part, forces, out);
             }
         }
     }
@@ -374,31 +403,32 @@ impl<'a> Balance<'a> {
     /// Derivative of the residual with respect to the force amplitude.
     pub(crate) fn d_residual_d_force(&self, out: &mut [f64]) {
         out.fill(0.0);
-        let terms = self.fourier.terms();
-        if let Some(compliance) = self.compliances.first() {
-            for i in 0..self.system.pairs() {
-                let g = compliance.get(i, compliance.pairs()).value;
-                out[i * terms + 1] = -g.re;
-                out[i * terms + 2] = g.im;
+        let row = self.load_row();
+        for (series, g) in out.chunks_exact_mut(self.fourier.terms()).zip(row) {
+            (series[1], series[2]) = (-g.re, g.im);
+        }
+    }
+
+    /// Receptances between the load and each pair at the fundamental.
+    fn load_row(&self) -> Vec<Complex64> {
+        let load = self.system.pairs();
+        match &self.linear {
+            Receptances::Dense(linear) => {
+                (0..=load).map(|j| linear.get(1, load, j).value).collect()
             }
+            Receptances::Modal(linear) => linear.load_row(),
         }
     }
 
     /// `|u^T M u| / |U_1|^2` of the fundamental motion [kg]. The derivative of a receptance with
     /// respect to the anti-damping rate is `i w` times that product of the fields of its two forces.
     pub(crate) fn modal_mass(&self, at: &Conditions, amplitude: f64) -> f64 {
-        let (n, terms) = (self.system.pairs(), self.fourier.terms());
-        let compliance = &self.compliances[0];
         // The load acts against contact forces.
-        let force = |j: usize| {
-            if j < n { amplitude_of(&self.forces[j * terms..], 1) } else { (-at.force).into() }
+        let forces = (&self.forces[..], at.force);
+        let sum = match &self.linear {
+            Receptances::Dense(linear) => linear.inertia(forces),
+            Receptances::Modal(linear) => linear.inertia(forces),
         };
-        let mut sum = Complex64::ZERO;
-        for i in 0..=n {
-            for j in 0..=n {
-                sum += compliance.get(i, j).d_anti_damping * force(i) * force(j);
-            }
-        }
         sum.norm() / (at.angular_frequency * amplitude * amplitude)
     }
 
@@ -417,35 +447,18 @@ impl<'a> Balance<'a> {
     pub(crate) fn truncation(&self, x: &[f64]) -> f64 {
         let (n, terms) = (self.system.pairs(), self.fourier.terms());
         let largest = x.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
-        let mut compliance = Compliance::zero(n, 0);
-        let springs = springs(self.system, 0.0);
         let mut series = vec![0.0; n * (2 * terms - 1)];
         for (i, series) in series.chunks_exact_mut(2 * terms - 1).enumerate() {
             self.fourier.analyse(self.samples_of(&self.force_samples, i), series);
         }
-        let mut omitted = 0.0_f64;
-        for k in self.fourier.harmonics() + 1..=2 * self.fourier.harmonics() {
-            let w = k as f64 * self.at.0;
-            let linear = self.system.linear();
-            linear.compliance((w, self.at.1), &[], &springs, &mut compliance);
-            for i in 0..n {
-                let forces = (&series[..], 2 * terms - 1);
-                let closure = under_forces((&compliance, i, k), forces, |found| found.value);
-                omitted = omitted.max(closure.norm_sqr());
+        let omitted = match &self.linear {
+            Receptances::Dense(linear) => {
+                linear.omitted(self.system, self.at, &springs(self.system, 0.0), &series)
             }
-        }
+            Receptances::Modal(linear) => linear.omitted(&series),
+        };
         if largest > 0.0 { omitted.sqrt() / largest } else { 0.0 }
     }
-}
-
-/// `sum_j G_aj P_j` of one pair or port a at harmonic k, P being series of so many terms.
-fn under_forces(
-    (compliance, row, k): (&Compliance, usize, usize),
-    (forces, terms): (&[f64], usize),
-    of: impl Fn(&Dual) -> Complex64,
-) -> Complex64 {
-    let own = |(j, series)| of(compliance.get(row, j)) * amplitude_of(series, k);
-    forces.chunks_exact(terms).enumerate().map(own).sum()
 }
 
 /// The contacts' stiffnesses at rest \[N/m\], with a loss factor; guides have none.

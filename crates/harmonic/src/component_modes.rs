@@ -14,7 +14,7 @@ use crate::{Compliance, Dual, HarmonicError, LinearSystem, MeanBalance, SystemPo
 const HELD: f64 = 1e-7;
 
 /// The pairs, and the ports as pairs with the ground.
-fn places(modes: &ComponentModes, ports: &[SystemPort]) -> Vec<PortPair> {
+pub(crate) fn places(modes: &ComponentModes, ports: &[SystemPort]) -> Vec<PortPair> {
     let place = |port: &SystemPort| match *port {
         SystemPort::Number(port) => PortPair::on_ground(port),
         // The closure of a port with itself: it does not move.
@@ -44,10 +44,7 @@ struct HeldMotions {
 impl HeldMotions {
     fn new(closures: &Mat<f64>) -> Option<Self> {
         let svd = Svd::new(closures.as_ref()).ok()?;
-        let values = svd.S().column_vector();
-        let size = values.nrows();
-        let largest = (0..size).map(|r| values[r]).fold(0.0, f64::max);
-        let count = (0..size).filter(|&r| values[r] > HELD * largest).count();
+        let count = held(&svd);
         Some(Self { svd, count })
     }
 
@@ -59,6 +56,38 @@ impl HeldMotions {
         let scaled = Mat::from_fn(self.count, shapes.ncols(), |r, p| along[(r, p)] / values[r]);
         u.get(.., ..self.count) * scaled
     }
+}
+
+/// The rigid motions of component modes, those that close some pair first.
+pub(crate) struct RigidMotions {
+    pub(crate) modes: Vec<NormalMode>,
+    /// Number of those that close some pair.
+    pub(crate) held: usize,
+}
+
+impl RigidMotions {
+    pub(crate) fn of(all: &ComponentModes) -> Self {
+        let rigid = rigid_modes(all);
+        let closures = rigid_closures(all);
+        let own = || Self { modes: rigid.iter().copied().cloned().collect(), held: rigid.len() };
+        // The turns of the columns alone are needed, but of all.
+        let full = closures.nrows() < closures.ncols();
+        let svd = if full { Svd::new(closures.as_ref()) } else { Svd::new_thin(closures.as_ref()) };
+        let Ok(svd) = svd else { return own() };
+        let right = svd.V();
+        let turned = |r: usize| {
+            let port = |port| (0..rigid.len()).map(|m| right[(m, r)] * rigid[m].ports[port]).sum();
+            NormalMode { ports: (0..all.ports()).map(port).collect(), ..rigid[r].clone() }
+        };
+        Self { modes: (0..rigid.len()).map(turned).collect(), held: held(&svd) }
+    }
+}
+
+/// Number of the singular values of rigid closures that are not rounding.
+fn held(svd: &Svd<f64>) -> usize {
+    let values = svd.S().column_vector();
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    values.iter().filter(|&&value| value > HELD * largest).count()
 }
 
 /// Static flexibility of the elastic modes and the residual at `places`, per force of a pair.
@@ -159,19 +188,18 @@ impl LinearSystem for PreloadedStructure<ComponentModes> {
     /// Rigid motions that close no contact are left out: no contact force changes them.
     fn lowest_modes(&self, count: usize) -> Result<ComponentModes, HarmonicError> {
         let all = self.component_modes();
-        let rigid = rigid_modes(all);
-        let Some(motions) = HeldMotions::new(&rigid_closures(all)) else { return Ok(all.clone()) };
-        let right = motions.svd.V();
-        let held = |r: usize| {
-            let port = |port| (0..rigid.len()).map(|m| right[(m, r)] * rigid[m].ports[port]).sum();
-            NormalMode { ports: (0..all.ports()).map(port).collect(), ..rigid[r].clone() }
-        };
-        let elastic = all.modes().iter().filter(|mode| mode.angular_frequency > 0.0);
-        let modes = (0..motions.count).map(held).chain(elastic.cloned()).collect();
+        let RigidMotions { mut modes, held } = RigidMotions::of(all);
+        modes.truncate(held);
+        modes.extend(all.modes().iter().filter(|mode| mode.angular_frequency > 0.0).cloned());
         let guides = all.guides().iter().map(|guide| guide.upper).collect();
         let (residual, contacts) = (all.residual().clone(), all.contacts().to_vec());
         let modes = ComponentModes::new(modes, residual, contacts, guides);
-        Ok(modes.map_err(StructureError::from)?.with_inertia_of(motions.count + count))
+        Ok(modes.map_err(StructureError::from)?.with_inertia_of(held + count))
+    }
+
+    fn as_component_modes(&self) -> Option<&ComponentModes> {
+        let plain = self.damped_modes().is_empty() && self.guides().is_empty();
+        plain.then(|| self.component_modes())
     }
 
     fn mass_damping(&self) -> f64 {

@@ -187,6 +187,12 @@ impl ContactSystem {
         contacts.next().map(PreloadedContact::name).or(guide)
     }
 
+    /// True if the equations of many contacts are written in the modes of the structure, and solved by iteration: it is
+    /// given by component modes, without friction and without ratios of linearised modes.
+    pub fn is_modal(&self) -> bool {
+        self.friction().is_none() && self.linear.as_component_modes().is_some()
+    }
+
     /// True if a contact is damped.
     pub(crate) fn is_damped(&self) -> bool {
         self.contacts.iter().any(|contact| contact.damping().is_some())

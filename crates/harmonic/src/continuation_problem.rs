@@ -6,7 +6,9 @@ use num_complex::Complex64;
 
 use crate::arc_length::Curve;
 use crate::balance::{Balance, Conditions, Overflow};
+use crate::factorization::dot;
 use crate::linear_response::{LinearSolver, resonance_near};
+use crate::linearisation::{Border, Linearisation};
 use crate::{ContactSystem, Continuation, HarmonicError};
 
 /// Harmonic balance along a [`Continuation`], in unknowns of order one.
@@ -16,9 +18,10 @@ use crate::{ContactSystem, Continuation, HarmonicError};
 /// the largest linear response and the parameter the frequency over the width of the resonance;
 /// along forces and amplitudes a is proportional to them, and the parameter their logarithm, so
 /// that small motions are resolved as well as large ones.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct ContinuationProblem<'a> {
     balance: Balance<'a>,
+    linearisation: Linearisation,
     continuation: Continuation,
     /// Closures per unit: a length [m], a length per force [m/N], or a ratio.
     closure: f64,
@@ -27,6 +30,12 @@ pub(crate) struct ContinuationProblem<'a> {
     /// Gradient of the displacement of the load's port by closures, real and imaginary parts.
     gradient: [Vec<f64>; 2],
 }
+
+/// Most unknowns of closures that matrices are factored for, where there is another way.
+const MOST_DIRECT: usize = 200;
+
+/// Springs over mean tangents, for free motions.
+const OFF_RESONANCE: f64 = 2.0;
 
 /// Points at which the linear response is scanned for its size and width.
 const SCAN: u32 = 200;
@@ -38,7 +47,21 @@ impl<'a> ContinuationProblem<'a> {
         harmonics: usize,
         samples: usize,
     ) -> Result<Self, HarmonicError> {
-        let balance = Balance::new(system, harmonics, samples);
+        let resolution = (harmonics, samples);
+        let free = matches!(continuation, Continuation::Mode { .. });
+        let factor = if free { OFF_RESONANCE } else { 1.0 };
+        let many = is_iterative(system, harmonics);
+        let many = many.then(|| Balance::of_many(system, resolution, factor)).flatten();
+        let balance = many.unwrap_or_else(|| Balance::new(system, harmonics, samples));
+        Self::of(balance, continuation)
+    }
+
+    /// The continuation with given equations.
+    pub(crate) fn of(
+        balance: Balance<'a>,
+        continuation: Continuation,
+    ) -> Result<Self, HarmonicError> {
+        let system = balance.system();
         let mut solver = LinearSolver::new(system);
         let mut size = |w: f64| solver.at(w).map_or(f64::NAN, |found| found.size());
         let (closure, frequency) = match continuation {
@@ -67,8 +90,9 @@ impl<'a> ContinuationProblem<'a> {
             return Err(HarmonicError::NoLinearResponse { frequency_hz: continuation.start().0 });
         }
         let n = balance.unknowns();
-        let gradient = [vec![0.0; n], vec![0.0; n]];
-        Ok(Self { balance, continuation, closure, frequency, closures: vec![0.0; n], gradient })
+        let linearisation = Linearisation::new(&balance, n + further(continuation) + 1);
+        let (closures, gradient) = (vec![0.0; n], [vec![0.0; n], vec![0.0; n]]);
+        Ok(Self { balance, linearisation, continuation, closure, frequency, closures, gradient })
     }
 
     pub(crate) fn balance(&self) -> &Balance<'a> {
@@ -205,6 +229,20 @@ impl<'a> ContinuationProblem<'a> {
     }
 }
 
+/// True if the equations of so many harmonics are solved by iteration.
+pub(crate) fn is_iterative(system: &ContactSystem, harmonics: usize) -> bool {
+    system.is_modal() && system.pairs() * (2 * harmonics + 1) > MOST_DIRECT
+}
+
+/// Number of unknowns beside the closures and the parameter.
+fn further(continuation: Continuation) -> usize {
+    match continuation {
+        Continuation::Frequency { .. } | Continuation::Force { .. } => 0,
+        Continuation::PhaseResonance { .. } => 1,
+        Continuation::Mode { .. } => 2,
+    }
+}
+
 /// Twice the distance [rad/s] from resonance to where the linear response falls to 1/sqrt(2).
 fn half_power_width(system: &ContactSystem, resonance: f64, peak: f64) -> f64 {
     let mut solver = LinearSolver::new(system);
@@ -222,12 +260,7 @@ fn half_power_width(system: &ContactSystem, resonance: f64, peak: f64) -> f64 {
 
 impl Curve for ContinuationProblem<'_> {
     fn size(&self) -> usize {
-        let more = match self.continuation {
-            Continuation::Frequency { .. } | Continuation::Force { .. } => 0,
-            Continuation::PhaseResonance { .. } => 1,
-            Continuation::Mode { .. } => 2,
-        };
-        self.balance.unknowns() + more
+        self.balance.unknowns() + further(self.continuation)
     }
 
     fn has_kinks(&self) -> bool {
@@ -269,61 +302,78 @@ impl Curve for ContinuationProblem<'_> {
         }
     }
 
-    fn jacobian(&mut self, v: &[f64], column: &mut [f64], out: &mut [f64]) {
+    fn linearise(&mut self, v: &[f64], last: &[f64]) -> bool {
+        let border = self.border(v);
+        self.linearisation.take(&self.balance, border, last)
+    }
+
+    fn solve(&self, x: &mut [f64], accuracy: f64) -> bool {
+        self.linearisation.solve(&self.balance, x, accuracy)
+    }
+
+    fn is_iterative(&self) -> bool {
+        self.balance.is_of_many()
+    }
+
+    fn orientation(&self) -> f64 {
+        self.linearisation.orientation()
+    }
+}
+
+impl ContinuationProblem<'_> {
+    /// Derivatives beside those of the residual by the closures, at the motion last evaluated.
+    fn border(&mut self, v: &[f64]) -> Border {
         let n = self.balance.unknowns();
-        let stride = v.len();
-        let last = stride - 1;
         let at = self.conditions(v);
-        let (reference, growth) = self.reference(v[last]);
-        self.balance.d_residual_d_closures(stride, out);
+        let (reference, growth) = self.reference(v[v.len() - 1]);
         let scale = self.frequency / reference;
-        let put = |out: &mut [f64], column: &[f64], at: usize, factor: f64| {
-            for (row, value) in column[..n].iter().enumerate() {
-                out[row * stride + at] = factor * value;
+        let by_frequency = |balance: &Balance<'_>| {
+            let mut column = vec![0.0; n];
+            balance.d_residual_d_frequency(&at, &mut column);
+            for slope in &mut column {
+                *slope *= scale;
             }
+            column
         };
-        // With respect to the parameter.
         if let Continuation::Frequency { .. } = self.continuation {
-            self.balance.d_residual_d_frequency(&at, &mut column[..n]);
-            put(out, column, last, scale);
-            return;
+            return Border { columns: vec![by_frequency(&self.balance)], rows: Vec::new() };
         }
         // X = a Y grows with the parameter, as do force and residual.
-        self.balance.d_residual_d_force(&mut column[..n]);
-        for row in 0..n {
-            let along: f64 = out[row * stride..][..n].iter().zip(v).map(|(j, y)| j * y).sum();
-            out[row * stride + last] = along + column[row] * at.force / reference;
-        }
-        self.balance.residual(&self.closures, &at, &mut column[..n]);
-        for row in 0..n {
-            out[row * stride + last] -= growth * column[row] / reference;
-        }
+        let (mut parameter, mut part) = (vec![0.0; n], vec![0.0; n]);
+        self.balance.d_residual_along(&v[..n], &mut parameter);
+        self.balance.d_residual_d_force(&mut part);
+        parameter.iter_mut().zip(&part).for_each(|(to, slope)| *to += slope * at.force / reference);
+        self.balance.residual(&self.closures, &at, &mut part);
+        parameter.iter_mut().zip(&part).for_each(|(to, r)| *to -= growth * r / reference);
         if let Continuation::Force { .. } = self.continuation {
-            return;
+            return Border { columns: vec![parameter], rows: Vec::new() };
         }
-        self.balance.d_residual_d_frequency(&at, &mut column[..n]);
-        put(out, column, n, scale);
+        let mut columns = vec![by_frequency(&self.balance)];
         if let Continuation::Mode { .. } = self.continuation {
-            self.balance.d_residual_d_anti_damping(&at, &mut column[..n]);
-            put(out, column, n + 1, scale);
+            self.balance.d_residual_d_anti_damping(&at, &mut part);
+            columns.push(part.iter().map(|slope| scale * slope).collect());
         }
+        columns.push(parameter);
         // The rows of the displacement.
         let [real, imaginary] = &mut self.gradient;
         self.balance.d_displacement_d_closures(real, imaginary);
         let derivatives = self.balance.d_displacement_d_conditions(&at).map(|d| [d.re, d.im]);
         let displacement = self.balance.load_displacement(1, &at);
         let displacement = [displacement.re, displacement.im];
-        let parts = [&*real, &*imaginary];
-        for part in 0..last - n {
-            let row = &mut out[(n + part) * stride..(n + part + 1) * stride];
-            row[..n].copy_from_slice(parts[part]);
-            row[n] = scale * derivatives[0][part];
+        let rows: Vec<Vec<f64>> =
+            [real, imaginary].into_iter().take(columns.len() - 1).map(|row| row.clone()).collect();
+        for (part, row) in rows.iter().enumerate() {
+            columns[0].push(scale * derivatives[0][part]);
             if let Continuation::Mode { .. } = self.continuation {
-                row[n + 1] = scale * derivatives[1][part];
+                columns[1].push(scale * derivatives[1][part]);
             }
-            let along: f64 = row[..n].iter().zip(v).map(|(j, y)| j * y).sum();
+            let along = dot(row, &v[..n]);
             // At a solution the residual's own constant, the amplitude, grows alike.
-            row[last] = along + (at.force * derivatives[2][part] - displacement[part]) / reference;
+            let own = (at.force * derivatives[2][part] - displacement[part]) / reference;
+            if let Some(parameter) = columns.last_mut() {
+                parameter.push(along + own);
+            }
         }
+        Border { columns, rows }
     }
 }

@@ -19,7 +19,23 @@ pub struct Dual {
     pub d_anti_damping: Complex64,
 }
 
+/// The value of a [`Dual`], or one of its derivatives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    Value,
+    Frequency,
+    AntiDamping,
+}
+
 impl Dual {
+    pub(crate) fn part(&self, part: Part) -> Complex64 {
+        match part {
+            Part::Value => self.value,
+            Part::Frequency => self.d_frequency,
+            Part::AntiDamping => self.d_anti_damping,
+        }
+    }
+
     pub(crate) const ONE: Self = Self::constant(Complex64::ONE);
 
     pub(crate) const fn constant(value: Complex64) -> Self {

@@ -40,7 +40,7 @@ use num_complex::Complex64;
 
 use crate::{ContactSystem, HarmonicError};
 use friction_monodromy::FrictionMonodromy;
-use period::Period;
+use period::{MANY, Period};
 use runge_kutta::RungeKutta;
 use splitting::Splitting;
 use variational_equation::VariationalEquation;
@@ -102,6 +102,7 @@ impl<'a> FloquetSolver<'a> {
         // Dampers of the contacts, and of static modes, couple the rates of the others.
         let friction = system.friction().is_some();
         let plain = !friction && !system.is_damped() && !variation.is_retarded();
+        let plain = plain && system.contacts().len() < MANY;
         let splitting = plain.then(|| Splitting::new(&mut variation, &springs)).flatten();
         let (integration, places) = match splitting {
             Some(splitting) => (Integration::Splitting(splitting), &splitting::PLACES[..]),
@@ -109,9 +110,10 @@ impl<'a> FloquetSolver<'a> {
             None => (Integration::RungeKutta(RungeKutta::default()), &runge_kutta::PLACES[..]),
         };
         // Matrices of the modes need less work, unless the contacts are fewer than half as many.
-        let many = 2 * system.contacts().len() > variation.modes.len();
+        let contacts = system.contacts().len();
+        let many = contacts >= MANY || 2 * contacts > variation.modes.len();
         let period = match &integration {
-            Integration::RungeKutta(_) if many => Period::modal(places),
+            Integration::RungeKutta(_) if many => Period::modal(places, &variation),
             _ => Period::new(places),
         };
         Ok(Self { system, variation, integration, period })

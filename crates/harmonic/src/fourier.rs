@@ -234,7 +234,7 @@ const SUMS: usize = 16;
 
 /// Scalar product in [`SUMS`] sums, which the compiler may keep in vector registers.
 #[inline(always)]
-fn long_dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn long_dot(a: &[f64], b: &[f64]) -> f64 {
     let (blocks_a, rest_a) = a.as_chunks::<SUMS>();
     let (blocks_b, rest_b) = b.as_chunks::<SUMS>();
     let mut sums = [0.0; SUMS];

@@ -32,7 +32,9 @@
 //! | `fourier`, `balance` | series and samples; the equations with their derivatives |
 //! | `linear_response` | the response of the linearised structure |
 //! | `continuation`, `continuation_problem` | the parameter varied; the equations in scaled unknowns |
-//! | `factorization`, `complex_elimination`, `arc_length` | elimination; predictor, corrector, step control, location of special points |
+//! | `factorization`, `complex_elimination` | elimination |
+//! | `linearisation`, `gmres` | the linearised equations; their solution by iteration, for many contacts |
+//! | `arc_length` | predictor, corrector, step control, location of special points |
 //! | `floquet` | stability: Floquet multipliers by integration in time |
 //! | `settings`, `trace`, `branch_recorder` | settings; a branch from start to end; its points |
 //! | `stepped_sine` | responses at given frequencies and forces, and their derivatives |
@@ -90,8 +92,12 @@ mod error;
 mod factorization;
 mod floquet;
 mod fourier;
+mod gmres;
 mod linear_response;
 mod linear_system;
+mod linearisation;
+#[cfg(test)]
+mod many_contacts_tests;
 mod modal_damping;
 mod periodic_response;
 mod port;

@@ -6,7 +6,8 @@ use num_complex::Complex64;
 
 use crate::ContactSystem;
 use crate::balance::{Balance, Conditions};
-use crate::factorization::Factorization;
+use crate::factorization::dot;
+use crate::linearisation::{Border, Linearisation};
 
 /// The response with every contact at its static stiffness: closures' series (mean, cosine, sine
 /// per interface) and complex displacement of the load's port, per unit load.
@@ -16,19 +17,31 @@ pub(crate) struct LinearResponse {
     pub(crate) displacement: Complex64,
 }
 
+/// Contacts from which on matrices of them are not formed, where there is another way.
+const MOST_DIRECT: usize = 12;
+
+/// Samples of a period: the tangents at rest do not vary.
+const SAMPLES: usize = 8;
+
+/// Relative accuracy of a solution by iteration.
+const ACCURACY: f64 = 1e-12;
+
 /// Solves for linear responses; keeps its memory from frequency to frequency.
 #[derive(Debug)]
 pub(crate) struct LinearSolver<'a> {
     balance: Balance<'a>,
-    matrix: Factorization,
+    linearisation: Linearisation,
     gradient: [Vec<f64>; 2],
 }
 
 impl<'a> LinearSolver<'a> {
     pub(crate) fn new(system: &'a ContactSystem) -> Self {
-        let balance = Balance::new(system, 1, 8);
+        let many = system.pairs() > MOST_DIRECT;
+        let many = many.then(|| Balance::of_many(system, (1, SAMPLES), 1.0)).flatten();
+        let balance = many.unwrap_or_else(|| Balance::new(system, 1, SAMPLES));
+        let linearisation = Linearisation::new(&balance, balance.unknowns());
         let n = balance.unknowns();
-        Self { balance, matrix: Factorization::new(n), gradient: [vec![0.0; n], vec![0.0; n]] }
+        Self { balance, linearisation, gradient: [vec![0.0; n], vec![0.0; n]] }
     }
 
     /// The response at an angular frequency [rad/s]; `None` where it is not finite.
@@ -37,20 +50,20 @@ impl<'a> LinearSolver<'a> {
         let at = Conditions { angular_frequency, anti_damping: 0.0, force: 1.0 };
         let mut closures = vec![0.0; n];
         self.balance.evaluate(&closures, &at).ok()?;
-        self.balance.d_residual_d_closures(n, self.matrix.matrix());
         self.balance.d_residual_d_force(&mut closures);
         for x in &mut closures {
             *x = -*x;
         }
-        if !self.matrix.factorize() {
+        let Self { balance, linearisation, gradient } = self;
+        let solved = linearisation.take(balance, Border::default(), &[])
+            && linearisation.solve(balance, &mut closures, ACCURACY);
+        if !solved {
             return None;
         }
-        self.matrix.solve(&mut closures);
-        let [real, imaginary] = &mut self.gradient;
-        self.balance.d_displacement_d_closures(real, imaginary);
-        let sum = |row: &[f64]| row.iter().zip(&closures).map(|(a, x)| a * x).sum::<f64>();
-        let [_, _, direct] = self.balance.d_displacement_d_conditions(&at);
-        let displacement = direct + Complex64::new(sum(real), sum(imaginary));
+        let [real, imaginary] = gradient;
+        balance.d_displacement_d_closures(real, imaginary);
+        let [_, _, direct] = balance.d_displacement_d_conditions(&at);
+        let displacement = direct + Complex64::new(dot(real, &closures), dot(imaginary, &closures));
         let response = LinearResponse { closures, displacement };
         response.size().is_finite().then_some(response)
     }

@@ -60,6 +60,12 @@ pub trait LinearSystem: Debug + Send + Sync {
     /// Mass-proportional damping h \[1/s\] of these modes.
     fn mass_damping(&self) -> f64;
 
+    /// Component modes that have all receptances, with the residual flexibility: the equations of many contacts are
+    /// then written in few modes. None by default, and where linearised modes have a damping of their own.
+    fn as_component_modes(&self) -> Option<&ComponentModes> {
+        None
+    }
+
     /// Linearised modes with a damping of their own, from the lowest on; none by default.
     fn damped_modes(&self) -> &[DampedMode] {
         &[]

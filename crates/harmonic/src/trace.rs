@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::arc_length::{ArcLength, CorrectorFailure, CurvePoint};
 use crate::balance::Conditions;
 use crate::branch_recorder::{Arc, BranchRecorder};
-use crate::continuation_problem::ContinuationProblem;
+use crate::continuation_problem::{ContinuationProblem, is_iterative};
 use crate::floquet::FloquetSolver;
 use crate::{
     Branch, ContactSystem, Continuation, FourierResolution, HarmonicError, HarmonicSettings,
@@ -24,6 +24,9 @@ const SAMPLES_PER_HARMONIC: usize = 16;
 /// with fewer that takes the place of one beyond it.
 const MOST_WORK: usize = 2_000_000;
 const MOST_COARSER_WORK: usize = 400_000;
+
+/// Both, where equations are solved by iteration, whose work grows little faster than the number of unknowns.
+const ITERATIVE_SHARE: usize = 10;
 
 /// Points of a branch after which the turn aimed at is twice as large: it folds many times.
 const MANY_POINTS: usize = 1000;
@@ -90,7 +93,8 @@ pub fn trace_with_progress(
         FourierResolution::Automatic { tolerance, most } => {
             let at = |harmonics: usize, truncation: f64, work: usize| {
                 let samples = (SAMPLES_PER_HARMONIC * harmonics).next_multiple_of(8);
-                let points = work / (system.pairs() * (2 * harmonics + 1));
+                let share = if is_iterative(system, harmonics) { ITERATIVE_SHARE } else { 1 };
+                let points = share * work / (system.pairs() * (2 * harmonics + 1));
                 path.follow((harmonics, samples), Limits { truncation, points })
             };
             let mut harmonics = FIRST_HARMONICS.min(most);

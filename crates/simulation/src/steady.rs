@@ -14,8 +14,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_harmonic::{
-    Branch, Continuation, Floquet, FourierResolution, HarmonicError, HarmonicSettings,
-    LawEvaluation, PeriodicResponse, PressureRange, StepControl,
+    Branch, ContactSystem, Continuation, Floquet, FourierResolution, HarmonicError,
+    HarmonicSettings, LawEvaluation, PeriodicResponse, PressureRange, StepControl,
 };
 use asperity_structure::PreloadedContact;
 use rayon::prelude::*;
@@ -55,6 +55,12 @@ const MOST_POINTS: usize = 10_000;
 const MOST_AMPLITUDES: usize = 1000;
 const MOST_EQUATIONS: usize = 2000;
 const MOST_WORK: f64 = 1e11;
+
+/// The same where equations are solved by iteration: equations, and amplitudes times equations times contacts; and most
+/// numbers of a branch, points times equations, a gigabyte.
+const MOST_ITERATED: usize = 40_000;
+const MOST_ITERATED_WORK: f64 = 4e8;
+const MOST_NUMBERS: usize = 20_000_000;
 
 /// Samples per harmonic where the number of harmonics is given.
 const SAMPLES_PER_HARMONIC: usize = 16;
@@ -236,7 +242,7 @@ pub fn steady_with_progress<S: Shaken>(
     check_range(request)?;
     let evaluation = LawEvaluation::default();
     let system = S::contact_system(assembly, evaluation)?;
-    let most = check_work(system.contacts().len(), request)?;
+    let most = check_work(&system, request)?;
     let highest = request.from_hz.max(request.to_hz);
     let light = S::light_bodies(assembly, highest, request.bodies, evaluation)?.map(Arc::new);
     let choice = BodyChoice {
@@ -245,7 +251,7 @@ pub fn steady_with_progress<S: Shaken>(
         model: request.bodies,
         progress: &|| progress(SteadyProgress::Point),
     };
-    let settings = settings(request, most);
+    let settings = settings(request, most, system.contacts().len());
     let levels = request
         .amplitudes
         .par_iter()
@@ -299,22 +305,28 @@ fn check_range(request: &SteadyRequest) -> Result<(), HarmonicError> {
     Ok(())
 }
 
-/// The most harmonics of so many contacts; refuses requests whose work exceeds the bounds.
-fn check_work(contacts: usize, request: &SteadyRequest) -> Result<usize, HarmonicError> {
-    let possible = (MOST_EQUATIONS / contacts).saturating_sub(1) / 2;
+/// The most harmonics of a system; refuses requests whose work exceeds the bounds.
+fn check_work(system: &ContactSystem, request: &SteadyRequest) -> Result<usize, HarmonicError> {
+    let contacts = system.contacts().len();
+    let iterates = system.is_modal();
+    let most = if iterates { MOST_ITERATED } else { MOST_EQUATIONS };
+    let possible = (most / contacts).saturating_sub(1) / 2;
     let harmonics = request.harmonics.unwrap_or(MOST_HARMONICS.min(possible.max(FEWEST_HARMONICS)));
     let amplitudes = request.amplitudes.len() as f64;
     let equations = (contacts * (2 * harmonics + 1)) as f64;
-    let limit = MOST_EQUATIONS as f64;
+    let (work, most_work) = if iterates {
+        let quantity = "number of force amplitudes times contacts squared times (2 harmonics + 1)";
+        let value = amplitudes * equations * contacts as f64;
+        ((quantity, value), (MOST_ITERATED_WORK, "at most 4e8"))
+    } else {
+        let quantity = "number of force amplitudes times the cube of contacts (2 harmonics + 1)";
+        ((quantity, amplitudes * equations.powi(3)), (MOST_WORK, "at most 1e11"))
+    };
+    let accepted = if iterates { "at most 40000" } else { "at most 2000" };
     let checks = [
         ("number of force amplitudes", amplitudes, MOST_AMPLITUDES as f64, "at most 1000"),
-        ("number of contacts times (2 harmonics + 1)", equations, limit, "at most 2000"),
-        (
-            "number of force amplitudes times the cube of contacts (2 harmonics + 1)",
-            amplitudes * equations.powi(3),
-            MOST_WORK,
-            "at most 1e11",
-        ),
+        ("number of contacts times (2 harmonics + 1)", equations, most as f64, accepted),
+        (work.0, work.1, most_work.0, most_work.1),
     ];
     match checks.into_iter().find(|(_, value, limit, _)| value > limit) {
         Some((quantity, value, _, accepted)) => {
@@ -324,7 +336,7 @@ fn check_work(contacts: usize, request: &SteadyRequest) -> Result<usize, Harmoni
     }
 }
 
-fn settings(request: &SteadyRequest, most: usize) -> HarmonicSettings {
+fn settings(request: &SteadyRequest, most: usize, contacts: usize) -> HarmonicSettings {
     let resolution = match request.harmonics {
         Some(harmonics) => FourierResolution::Fixed {
             harmonics,
@@ -332,7 +344,8 @@ fn settings(request: &SteadyRequest, most: usize) -> HarmonicSettings {
         },
         None => FourierResolution::Automatic { tolerance: TOLERANCE, most },
     };
-    let steps = StepControl { points: MOST_POINTS, ..StepControl::default() };
+    let points = MOST_POINTS.min(MOST_NUMBERS / (contacts * (2 * most + 1)));
+    let steps = StepControl { points, ..StepControl::default() };
     let stability = Some(Floquet::default());
     HarmonicSettings { resolution, steps, stability, until_contact_lost: false }
 }

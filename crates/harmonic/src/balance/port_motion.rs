@@ -2,66 +2,83 @@
 
 use num_complex::Complex64;
 
-use super::{Balance, Conditions, under_forces};
-use crate::{Compliance, PortMotion};
+use super::{Balance, Conditions, Receptances};
+use crate::PortMotion;
+use crate::dual::Part;
+use crate::fourier::amplitude_of;
 
 impl Balance<'_> {
     /// Complex amplitude of harmonic k >= 1 of the displacement of the load's port [m].
     pub(crate) fn load_displacement(&self, k: usize, at: &Conditions) -> Complex64 {
-        let place = (&self.compliances[k - 1], self.system.pairs(), k);
-        -self.linear_part(place, at.force, |receptance| receptance.value)
+        match &self.linear {
+            Receptances::Dense(linear) => {
+                let place = (self.system.pairs(), k);
+                -linear.at_place(place, Part::Value, (&self.forces, at.force))
+            }
+            Receptances::Modal(_) => {
+                amplitude_of(&self.port_series(0..1, Part::Value, (&self.forces, at.force)), k)
+            }
+        }
     }
 
-    /// Mean displacement of a port from rest [m]: of the load, and after it those of the sensors.
-    fn mean_displacement(&self, x: &[f64], port: usize) -> f64 {
-        let (terms, pairs) = (self.fourier.terms(), self.system.pairs());
-        let row = port * pairs;
-        (0..pairs)
-            .map(|j| {
-                self.mean.port_closure[row + j] * x[j * terms]
-                    + self.mean.port_force[row + j] * self.forces[j * terms]
-            })
-            .sum()
+    /// Series of the displacements of ports under forces of the contacts and a load, in modes; of no other form.
+    fn port_series(
+        &self,
+        ports: std::ops::Range<usize>,
+        part: Part,
+        forces: (&[f64], f64),
+    ) -> Vec<f64> {
+        let (pairs, terms) = (self.system.pairs(), self.fourier.terms());
+        let mut series = vec![0.0; ports.len() * terms];
+        if let Receptances::Modal(linear) = &self.linear {
+            let places = pairs + ports.start..pairs + ports.end;
+            linear.respond(places, part, forces, &mut series);
+        }
+        for u in &mut series {
+            *u = -*u;
+        }
+        series
     }
 
     /// Motions of the load's port and of the sensors, linear in the closures and forces of the motion last
     /// evaluated.
     pub(crate) fn motions(&self, x: &[f64], at: &Conditions) -> Vec<PortMotion> {
-        let (ports, pairs) = (self.system.ports(), self.system.pairs());
-        let count = self.compliances.len();
-        let mut motions = vec![PortMotion {
+        let ports = self.system.ports();
+        let motion = |mean: f64, harmonics: Vec<Complex64>| PortMotion {
             angular_frequency: at.angular_frequency,
-            mean: self.mean_displacement(x, 0),
-            harmonics: (1..=count).map(|k| self.load_displacement(k, at)).collect(),
-        }];
-        if ports.iter().all(|port| *port == ports[0]) {
-            return vec![motions.remove(0); ports.len()];
-        }
-        let mut wide = Compliance::zero(pairs, ports.len());
-        motions.extend((1..ports.len()).map(|port| PortMotion {
-            angular_frequency: at.angular_frequency,
-            mean: self.mean_displacement(x, port),
-            harmonics: Vec::with_capacity(count),
-        }));
-        for k in 1..=count {
-            let at_harmonic = (k as f64 * at.angular_frequency, at.anti_damping);
-            self.system.linear().compliance(at_harmonic, ports, &self.springs, &mut wide);
-            for (port, motion) in motions.iter_mut().enumerate().skip(1) {
-                let place = (&wide, pairs + port, k);
-                let found = -self.linear_part(place, at.force, |receptance| receptance.value);
-                motion.harmonics.push(found);
+            mean,
+            harmonics,
+        };
+        let forces = (&self.forces[..], at.force);
+        let harmonics = 1..=self.fourier.harmonics();
+        let linear = match &self.linear {
+            Receptances::Dense(linear) => linear,
+            Receptances::Modal(_) => {
+                let series = self.port_series(0..ports.len(), Part::Value, forces);
+                let of = |series: &[f64]| {
+                    motion(series[0], harmonics.clone().map(|k| amplitude_of(series, k)).collect())
+                };
+                return series.chunks_exact(self.fourier.terms()).map(of).collect();
             }
+        };
+        let mean = |port: usize| linear.mean_displacement(x, &self.forces, port);
+        let load = motion(mean(0), harmonics.map(|k| self.load_displacement(k, at)).collect());
+        if ports.iter().all(|port| *port == ports[0]) {
+            return vec![load; ports.len()];
         }
-        motions
+        let conditions = (at.angular_frequency, at.anti_damping);
+        let sensors = linear.sensors(self.system, (conditions, &self.springs), forces);
+        let sensors = (1..).zip(sensors).map(|(port, harmonics)| motion(mean(port), harmonics));
+        std::iter::once(load).chain(sensors).collect()
     }
 
     /// Derivatives of the fundamental displacement of the load's port with respect to the closures: real
     /// and imaginary parts.
     pub(crate) fn d_displacement_d_closures(&self, real: &mut [f64], imaginary: &mut [f64]) {
-        let (terms, load) = (self.fourier.terms(), self.system.pairs());
+        let terms = self.fourier.terms();
         let square = terms * terms;
-        for j in 0..self.system.pairs() {
-            let g = self.compliances[0].get(load, j).value;
+        let row = self.load_row();
+        for (j, g) in row[..self.system.pairs()].iter().enumerate() {
             let (cos, sin) = self.products[j * square + terms..].split_at(terms);
             for c in 0..terms {
                 real[j * terms + c] = -(g.re * cos[c] + g.im * sin[c]);
@@ -69,7 +86,7 @@ impl Balance<'_> {
             }
         }
         for friction in self.loops.iter().filter(|friction| friction.pair != friction.contact) {
-            let g = self.compliances[0].get(load, friction.pair).value;
+            let g = row[friction.pair];
             let (cos, sin) = friction.by_contact[terms..].split_at(terms);
             for (c, column) in (friction.contact * terms..).take(terms).enumerate() {
                 real[column] -= g.re * cos[c] + g.im * sin[c];
@@ -81,15 +98,19 @@ impl Balance<'_> {
     /// Derivatives of the fundamental displacement of the load's port with respect to angular frequency,
     /// anti-damping rate and force.
     pub(crate) fn d_displacement_d_conditions(&self, at: &Conditions) -> [Complex64; 3] {
-        let (terms, load) = (self.fourier.terms(), self.system.pairs());
-        let place = (&self.compliances[0], load, 1);
-        let damped = self.damped.as_ref().map_or(Complex64::ZERO, |damped| {
-            under_forces(place, (&damped.d_frequency, terms), |receptance| receptance.value)
-        });
+        let part = |part: Part, forces: (&[f64], f64)| match &self.linear {
+            Receptances::Dense(linear) => -linear.at_place((self.system.pairs(), 1), part, forces),
+            Receptances::Modal(_) => amplitude_of(&self.port_series(0..1, part, forces), 1),
+        };
+        let forces = (&self.forces[..], at.force);
+        let damped = self
+            .damped
+            .as_ref()
+            .map_or(Complex64::ZERO, |damped| part(Part::Value, (&damped.d_frequency, 0.0)));
         [
-            -self.linear_part(place, at.force, |receptance| receptance.d_frequency) - damped,
-            -self.linear_part(place, at.force, |receptance| receptance.d_anti_damping),
-            self.compliances[0].get(load, load).value,
+            part(Part::Frequency, forces) + damped,
+            part(Part::AntiDamping, forces),
+            self.load_row()[self.system.pairs()],
         ]
     }
 }

@@ -7,9 +7,9 @@ use asperity_mesh::{Body, Interface, Port, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure};
 
 use super::*;
-use crate::LawEvaluation;
 use crate::factorization::Factorization;
 use crate::linear_response::LinearSolver;
+use crate::{Compliance, LawEvaluation};
 
 const CONDITIONS: Conditions =
     Conditions { angular_frequency: 4819.2, anti_damping: 0.0, force: 0.55279 };

@@ -1,7 +1,7 @@
 //! The stiffness of the contacts over a period of a motion.
 
 use super::modal_contacts::ModalContacts;
-use super::variational_equation::VariationalEquation;
+use super::variational_equation::{VariationalEquation, add};
 use crate::ContactSystem;
 use crate::fourier::{Fourier, rate_of};
 use crate::vector_instructions::vectorised;
@@ -29,6 +29,15 @@ pub(super) struct Period {
     modal: Option<ModalContacts>,
 }
 
+/// Contacts from which on their matrices are interpolated between nodes of the period.
+pub(super) const MANY: usize = 24;
+
+/// Nodes at first and at most, and the largest error of cubics at the nodes between them, over the largest entry of all
+/// matrices.
+const FEWEST_NODES: usize = 64;
+const MOST_NODES: usize = 1024;
+const NODE_ERROR: f64 = 1e-3;
+
 impl Period {
     /// A period to be sampled at these shares of each step.
     pub(super) fn new(places: &[f64]) -> Self {
@@ -36,8 +45,8 @@ impl Period {
     }
 
     /// As [`new`](Self::new), with the stiffness in the coordinates of the modes.
-    pub(super) fn modal(places: &[f64]) -> Self {
-        Self { modal: Some(ModalContacts::default()), ..Self::new(places) }
+    pub(super) fn modal(places: &[f64], variation: &VariationalEquation) -> Self {
+        Self { modal: Some(ModalContacts::new(variation)), ..Self::new(places) }
     }
 
     /// True if stiffness and damping are matrices of the modes.
@@ -73,6 +82,9 @@ impl Period {
         (closures, w): (&[f64], f64),
         steps: impl Fn(f64, f64, bool) -> Option<usize>,
     ) -> Option<()> {
+        if self.modal.is_some() && system.contacts().len() >= MANY {
+            return self.interpolate(system, variation, (closures, w), steps);
+        }
         // The steps of the motion before resolve most motions; they are counted again for this one.
         self.sample(system, closures, w, self.steps.max(1));
         let stiffest = self.stiffest();
@@ -87,6 +99,74 @@ impl Period {
         }
         self.condense(variation);
         Some(())
+    }
+
+    /// [`resolve`](Self::resolve) by matrices of the modes at equal nodes of the period, twice as many until cubics
+    /// through them are exact to [`NODE_ERROR`] at the nodes between.
+    ///
+    /// The opening of one of many cells changes the matrices little, and each node needs a factor of the contacts:
+    /// thousands of steps of the fastest mode do not.
+    fn interpolate(
+        &mut self,
+        system: &ContactSystem,
+        variation: &VariationalEquation,
+        (closures, w): (&[f64], f64),
+        steps: impl Fn(f64, f64, bool) -> Option<usize>,
+    ) -> Option<()> {
+        let places = std::mem::replace(&mut self.places, vec![0.0]);
+        let square = variation.modes.len().pow(2);
+        self.sample(system, closures, w, FEWEST_NODES);
+        let mut nodes: Vec<Vec<f64>> =
+            (0..FEWEST_NODES).map(|at| self.node(square, variation, at)).collect();
+        loop {
+            let count = nodes.len();
+            self.sample(system, closures, w, 2 * count);
+            let between: Vec<Vec<f64>> =
+                (0..count).map(|at| self.node(square, variation, 2 * at + 1)).collect();
+            let largest = nodes.iter().flatten().fold(0.0_f64, |most, v| most.max(v.abs()));
+            let off = |(at, own): (usize, &Vec<f64>)| {
+                let guess = cubic(&nodes, at as f64 + 0.5);
+                guess.iter().zip(own).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+            };
+            let error = between.iter().enumerate().map(off).fold(0.0, f64::max);
+            nodes = nodes.into_iter().zip(between).flat_map(|(a, b)| [a, b]).collect();
+            if error <= NODE_ERROR * largest || nodes.len() >= MOST_NODES {
+                break;
+            }
+        }
+        self.places = places;
+        let length = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let largest = |part: fn(&[f64], usize) -> &[f64]| {
+            nodes.iter().map(|node| length(part(node, square))).fold(0.0, f64::max)
+        };
+        let (frequency, rate) = variation.highest();
+        let stiffness = largest(|node, square| &node[..square]);
+        let damping = largest(|node, square| &node[square..]);
+        let fastest = (frequency.powi(2) + stiffness).sqrt().max(rate + damping);
+        let steps = steps(fastest, w, false)?;
+        (self.steps, self.interfaces) = (steps, system.contacts().len());
+        self.stiffness.clear();
+        self.damping.clear();
+        for step in 0..steps {
+            for share in &self.places {
+                let place = (step as f64 + share) / steps as f64 * nodes.len() as f64;
+                let found = cubic(&nodes, place);
+                self.stiffness.extend_from_slice(&found[..square]);
+                self.damping.extend_from_slice(&found[square..]);
+            }
+        }
+        Some(())
+    }
+
+    /// Stiffness, and damping if there is any, in the coordinates of the modes at a sample.
+    fn node(&self, square: usize, variation: &VariationalEquation, at: usize) -> Vec<f64> {
+        let Some(modal) = &self.modal else { return Vec::new() };
+        let dissipates = !self.dampers.is_empty() || variation.is_retarded();
+        let mut found = vec![0.0; if dissipates { 2 * square } else { square }];
+        let (stiffness, damping) = found.split_at_mut(square);
+        let damper = |i: usize| self.dampers.get(i * self.steps + at).copied().unwrap_or(0.0);
+        modal.write(|i| self.tangents[i * self.steps + at], damper, stiffness, damping);
+        found
     }
 
     /// Samples the tangents of the contacts along the closures' series at the angular frequency `w`
@@ -158,24 +238,12 @@ impl Period {
         self.damping.resize(if dissipates { count * n * n } else { 0 }, 0.0);
         let Self { tangents, dampers, stiffness, damping, modal, .. } = self;
         if let Some(modal) = modal {
-            modal.take(variation);
-            vectorised(
-                #[inline(always)]
-                || {
-                    for (place, out) in stiffness.chunks_exact_mut(n * n).enumerate() {
-                        modal.stiffness(variation, |i| tangents[i * count + place], out);
-                        if dissipates {
-                            let damper =
-                                |i: usize| dampers.get(i * count + place).copied().unwrap_or(0.0);
-                            modal.damping(
-                                variation,
-                                damper,
-                                &mut damping[place * n * n..][..n * n],
-                            );
-                        }
-                    }
-                },
-            );
+            for (place, out) in stiffness.chunks_exact_mut(n * n).enumerate() {
+                let damper = |i: usize| dampers.get(i * count + place).copied().unwrap_or(0.0);
+                let damping =
+                    if dissipates { &mut damping[place * n * n..][..n * n] } else { &mut [] };
+                modal.write(|i| tangents[i * count + place], damper, out, damping);
+            }
             return;
         }
         vectorised(
@@ -192,6 +260,25 @@ impl Period {
             },
         );
     }
+}
+
+/// The cubic through the four nearest of equal nodes of a period, at a place counted in nodes.
+fn cubic(nodes: &[Vec<f64>], place: f64) -> Vec<f64> {
+    let count = nodes.len();
+    let first = place.floor();
+    let u = place - first;
+    let at = |offset: usize| &nodes[(first as usize + count + offset - 1) % count];
+    let weights = [
+        -u * (u - 1.0) * (u - 2.0) / 6.0,
+        0.5 * (u + 1.0) * (u - 1.0) * (u - 2.0),
+        -0.5 * (u + 1.0) * u * (u - 2.0),
+        (u + 1.0) * u * (u - 1.0) / 6.0,
+    ];
+    let mut found = vec![0.0; nodes[0].len()];
+    for (offset, weight) in weights.into_iter().enumerate() {
+        add(&mut found, weight, at(offset));
+    }
+    found
 }
 
 /// A number of steps rounded up to eighths of a power of two, so that tables serve many points of a

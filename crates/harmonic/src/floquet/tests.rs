@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_law::Power;
+use asperity_law::{ContactDamping, Power};
 use asperity_mesh::{Body, Interface, Stack, Support};
 use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
 use faer::Mat;
@@ -13,7 +13,8 @@ use super::period::Period;
 use super::runge_kutta::{PLACES, RungeKutta};
 use super::splitting::{self, Splitting};
 use super::variational_equation::VariationalEquation;
-use crate::{ContactSystem, LawEvaluation};
+use crate::many_contacts_tests::{Block, responses};
+use crate::{ContactSystem, Floquet, LawEvaluation};
 
 /// A structure of one to three bodies with a motion of three harmonics.
 struct Case {
@@ -169,9 +170,44 @@ fn contacts_of_modes_are_those_of_pairs() {
             case.variation.leave_out_last();
         }
         let apart = case.runge_kutta(400);
-        let modal = case.by_runge_kutta(Period::modal(&PLACES), 400);
+        let modal = case.by_runge_kutta(Period::modal(&PLACES, &case.variation), 400);
         let off = (&apart - &modal).norm_max() / apart.norm_max();
         assert!(off < 1e-10, "seed {seed}: {off:.1e}");
+    }
+}
+
+/// Multipliers by matrices interpolated between nodes of the period, against those sampled at every stage of fine steps:
+/// cells open and close within the period, with damped static modes, and with dampers.
+#[test]
+fn interpolated_contacts_have_the_multipliers_of_those_sampled() {
+    let damping = Some(ContactDamping::kelvin_voigt(2e-6).unwrap());
+    let rough = Block {
+        cells: [6, 4],
+        elastic: 8,
+        roughness: 1.5,
+        damping: None,
+        retardation: 1e-6,
+        rate: 100.0,
+    };
+    for block in [Block { damping, ..rough }, Block { retardation: 0.0, ..rough }, rough] {
+        let system = block.system();
+        let branch = responses(&block, 8.0, Some(Floquet::default()));
+        let springs: Vec<f64> = system.contacts().iter().map(PreloadedContact::spring).collect();
+        let modes = system.linear().lowest_modes(Floquet::default().modes).unwrap();
+        let rate = system.linear().mass_damping();
+        let mut variation = VariationalEquation::new(&modes, rate, &springs);
+        let mut lost = 0;
+        for point in branch.points.iter().step_by(branch.points.len() / 8) {
+            let w = point.angular_frequency;
+            let mut period = Period::modal(&PLACES, &variation);
+            period.sample(&system, &point.closures, w, 3000);
+            period.condense(&mut variation);
+            let exact = RungeKutta::default().monodromy(&variation, &period, w);
+            let off = distance(point.multipliers.as_ref().unwrap(), &eigenvalues(&exact));
+            assert!(off < 1e-4, "{} Hz: {off:.1e}", point.frequency_hz());
+            lost += usize::from(point.contact_lost());
+        }
+        assert!(lost > 2, "{lost}");
     }
 }
 

@@ -177,6 +177,14 @@ impl VariationalEquation {
         self.modes.iter().map(square).fold(0.0, f64::max).sqrt()
     }
 
+    /// The highest frequency \[rad/s\] and damping rate \[1/s\] of the modes without contacts.
+    pub(super) fn highest(&self) -> (f64, f64) {
+        let excess = self.dampers.iter().map(|damper| damper.excess).fold(0.0, f64::max);
+        let frequency = self.modes.iter().map(|mode| mode.angular_frequency).fold(0.0, f64::max);
+        let rate = self.modes.iter().map(|mode| mode.damping_rate).fold(0.0, f64::max);
+        (frequency, excess + rate)
+    }
+
     /// An upper estimate of the highest damping rate [1/s] with contact dampers up to `damper` [N s/m]
     /// and stiffnesses up to `stiffness` [N/m].
     pub(super) fn highest_damping(&self, damper: f64, stiffness: f64) -> f64 {
