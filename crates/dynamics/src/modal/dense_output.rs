@@ -163,17 +163,16 @@ impl<'a> DenseOutput<'a> {
 
     /// Interpolates the tractions within the step from `at`.
     fn interpolate_tractions(&mut self) {
-        let rows = self.outcome.traction.len();
-        let ends: Vec<[f64; NODES]> = (0..rows)
-            .map(|i| std::array::from_fn(|age| self.traction(i, (self.at + 1).checked_sub(age))))
-            .collect();
-        for (of_rows, interpolation) in self.tractions.iter_mut().zip(ForceInterpolation::ALL) {
-            let weights = interpolation.weights();
-            let coefficients = |ends: &[f64; NODES]| {
-                weights.map(|row| row.iter().zip(ends).map(|(weight, end)| weight * end).sum())
-            };
-            of_rows.clear();
-            of_rows.extend(ends.iter().map(coefficients));
+        self.tractions.iter_mut().for_each(Vec::clear);
+        for i in 0..self.outcome.traction.len() {
+            let ends: [f64; NODES] =
+                std::array::from_fn(|age| self.traction(i, (self.at + 1).checked_sub(age)));
+            for (of_rows, interpolation) in self.tractions.iter_mut().zip(ForceInterpolation::ALL) {
+                let weights = interpolation.weights();
+                let coefficient =
+                    |row: [f64; NODES]| row.iter().zip(&ends).map(|(w, end)| w * end).sum();
+                of_rows.push(weights.map(coefficient));
+            }
         }
     }
 
