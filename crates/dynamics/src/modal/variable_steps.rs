@@ -110,12 +110,12 @@ impl SampledCase {
         let fewest = (1.0 / stride(1)).ceil() as usize;
         // From four base steps in an equal step on, all are long enough.
         let is_long = |parts: &usize| stride(*parts).floor() >= LONG_ENOUGH * stride(*parts);
-        let parts = (fewest..).find(is_long).unwrap_or(fewest);
+        let parts = (fewest..=4 * fewest).find(is_long).unwrap_or(fewest);
         let (base, stride) = (interval / parts as f64, stride(parts) as usize);
         let steps = (samples * parts).next_multiple_of(stride);
         let control = StepControl { base, steps, stride, ..asked };
         let (step, duration) = (Some(control.equal_step()), steps as f64 * base);
-        let case = TransientCase { step, duration, ..case.clone() };
+        let case = TransientCase { duration, step, ..case.clone() };
         Ok(Self { case, control, parts, samples })
     }
 }
