@@ -38,6 +38,8 @@ mod loads;
 mod support;
 mod time_loop;
 
+use std::sync::atomic::AtomicBool;
+
 use asperity_mesh::{Grid, Port};
 use asperity_structure::{LoadCase, PreloadedStructure};
 use pulp::Arch;
@@ -111,19 +113,22 @@ impl FiniteDifference {
         sensors: &[Port],
         sampling: &Sampling,
     ) -> Result<Transient, DynamicsError> {
-        self.integrate_with_progress(structure, load, sensors, sampling, &|_| ())
+        let never = AtomicBool::new(false);
+        self.integrate_unless(structure, load, sensors, sampling, &never, &|_| ())
     }
 
-    /// [`integrate`](Self::integrate), with the fraction done reported to `progress`.
+    /// [`integrate`](Self::integrate), with the fraction done reported to `progress`; once `stop` is set, the run
+    /// ends within 64 samples.
     ///
     /// # Errors
-    /// As [`integrate`](Self::integrate).
-    pub fn integrate_with_progress(
+    /// As [`integrate`](Self::integrate), and [`DynamicsError::Stopped`].
+    pub fn integrate_unless(
         &self,
         structure: &PreloadedStructure,
         load: &LoadCase,
         sensors: &[Port],
         sampling: &Sampling,
+        stop: &AtomicBool,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Transient, DynamicsError> {
         load.check()?;
@@ -145,6 +150,7 @@ impl FiniteDifference {
             samples: sampling.samples(),
             stride,
             step,
+            stop,
             progress,
         };
         let transient = Arch::new().dispatch(time_loop)?;

@@ -1,10 +1,12 @@
 //! The choice of time integrator.
 
+use std::sync::atomic::AtomicBool;
+
 use asperity_mesh::Port;
 use asperity_structure::{LoadCase, PreloadedStructure};
 
 use crate::run_bounds::{RunOutline, check_history};
-use crate::{DynamicsError, FiniteDifference, InstructionSet, Modal, Sampling, Transient};
+use crate::{Batch, DynamicsError, FiniteDifference, InstructionSet, Modal, Sampling, Transient};
 
 /// A time integrator with its settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,29 +87,34 @@ impl Integrator {
         sensors: &[Port],
         sampling: &Sampling,
     ) -> Result<Transient, DynamicsError> {
-        self.integrate_with_progress(structure, load, sensors, sampling, &|_| ())
+        let never = AtomicBool::new(false);
+        self.integrate_unless(structure, load, sensors, sampling, &never, &|_| ())
     }
 
-    /// [`integrate`](Self::integrate), with the fraction done reported to `progress`.
+    /// [`integrate`](Self::integrate), with the fraction done reported to `progress`; once `stop` is set, the run
+    /// ends within some steps, by finite differences within 64 samples.
     ///
     /// # Errors
-    /// As [`integrate`](Self::integrate).
-    pub fn integrate_with_progress(
+    /// As [`integrate`](Self::integrate), and [`DynamicsError::Stopped`].
+    pub fn integrate_unless(
         &self,
         structure: &PreloadedStructure,
         load: &LoadCase,
         sensors: &[Port],
         sampling: &Sampling,
+        stop: &AtomicBool,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Transient, DynamicsError> {
         match self {
             Self::FiniteDifference(method) => {
-                method.integrate_with_progress(structure, load, sensors, sampling, progress)
+                method.integrate_unless(structure, load, sensors, sampling, stop, progress)
             }
             Self::Modal(method) => {
                 let (samples, interval) = (sampling.samples(), sampling.interval());
                 check_history(samples, structure.contacts().len(), interval)?;
-                let transient = method.integrate(structure, load, sensors, sampling)?;
+                let case = method.case(structure, load, sensors, sampling)?;
+                let batch = Batch { instructions: method.instructions };
+                let transient = batch.transient_unless(&case, sampling, stop)?;
                 progress(1.0);
                 Ok(transient)
             }

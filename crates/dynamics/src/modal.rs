@@ -28,6 +28,7 @@
 //! | `step_size` | the choice of the step |
 //! | `fast_modes` | the error by modes that a step does not show |
 //! | `batch` | many cases, tried again where a step or a table was too short |
+//! | `recorded_response` | one case with its history |
 //! | `variable_steps` | one case at steps of its own, short where contact opens and closes |
 //! | `step_coefficients` | all numbers of such a step that do not depend on the load |
 //! | `dense_output` | the motion between steps |
@@ -61,6 +62,7 @@ mod load_steps;
 mod many_contacts;
 mod oscillator;
 mod prepared_case;
+mod recorded_response;
 mod ring_down;
 mod row_modes;
 mod sensitivity;

@@ -45,6 +45,8 @@ pub(crate) struct Results {
 pub(crate) struct Beside<'a> {
     /// Measured hits, drawn with the computed ones.
     pub(crate) measured: Option<&'a Measured>,
+    /// Views that are shown: the figures of a hit for others are not computed.
+    pub(crate) views: &'a [View],
     /// True to have the tables.
     pub(crate) tables: bool,
 }
@@ -138,8 +140,10 @@ impl Results {
             let named = named.map(|(name, law)| (format!("law-{name}.csv"), law_csv(law)));
             self.tables.extend(named);
         }
-        let figure = laws_visited(laws, visited).map_err(|error| error.to_string());
-        self.figures.push((View::Law, figure));
+        if beside.views.contains(&View::Law) {
+            let figure = laws_visited(laws, visited).map_err(|error| error.to_string());
+            self.figures.push((View::Law, figure));
+        }
         Ok(())
     }
 
@@ -160,20 +164,15 @@ impl Results {
         let notes = run.summary.warnings.iter().map(|warning| format!("note: {warning}"));
         let words: Vec<String> = [plot::run_words(&run.summary)].into_iter().chain(notes).collect();
         self.words = words.join("\n");
-        let axis = settings.magnitude.into();
-        let frf = receptance(run, 0)?.map(|frf| {
-            let highest = frf.frequency_hz.last().copied().unwrap_or_default();
-            let figure = plot::frf(&frf, &run.summary, axis);
-            match beside.measured.and_then(|measured| measured.frf(highest, axis)) {
-                Some(measured) => figure.with(&measured),
-                None => figure,
-            }
-        });
-        self.figures.push((View::Frf, frf.ok_or_else(|| "there is no load".to_owned())));
-        self.figures.push((View::History, Ok(plot::history(run))));
-        let paths = plot::pressure_closure(run);
-        let paths = paths.ok_or_else(|| "there is no contact".to_owned());
-        self.figures.push((View::PressureClosure, paths));
+        for &view in beside.views {
+            let (figure, reason) = match view {
+                View::Frf => (response(run, settings, beside)?, "there is no load"),
+                View::History => (Some(plot::history(run)), "there is no motion"),
+                View::PressureClosure => (plot::pressure_closure(run), "there is no contact"),
+                View::Law | View::Levels | View::Steady => continue,
+            };
+            self.figures.push((view, figure.ok_or_else(|| reason.to_owned())));
+        }
         if beside.tables {
             self.tables.push(("history.csv".to_owned(), history_csv(run)));
             let columns = frf_columns(run)?.map(|columns| frf_csv(&columns));
@@ -181,6 +180,24 @@ impl Results {
         }
         Ok(())
     }
+}
+
+/// The receptance of a run, beside the measured one; none without a load.
+fn response<S: Interfaces>(
+    run: &Run<S>,
+    settings: &Settings,
+    beside: Beside<'_>,
+) -> Result<Option<Figure>, SimulationError> {
+    let axis = settings.magnitude.into();
+    let drawn = receptance(run, 0)?.map(|frf| {
+        let highest = frf.frequency_hz.last().copied().unwrap_or_default();
+        let figure = plot::frf(&frf, &run.summary, axis);
+        match beside.measured.and_then(|measured| measured.frf(highest, axis)) {
+            Some(measured) => figure.with(&measured),
+            None => figure,
+        }
+    });
+    Ok(drawn)
 }
 
 /// The laws, with the pressures visited by a run.

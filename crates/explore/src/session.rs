@@ -45,7 +45,14 @@ pub(crate) struct Session {
     left: Mutex<Vec<Change>>,
 }
 
-type Key = (Part, Settings, Vec<Change>);
+/// A part of a state with its settings, and the views that it is computed for.
+#[derive(Debug, Clone, PartialEq)]
+struct Key {
+    part: Part,
+    settings: Settings,
+    changes: Vec<Change>,
+    views: Vec<View>,
+}
 
 /// Takes the lines of an answer.
 pub(crate) struct Sink<'a> {
@@ -147,9 +154,15 @@ impl Session {
         if sink.is_stopped() {
             return;
         }
+        let views = request.views.iter().map(|place| place.view);
+        let key = Key {
+            part: request.part,
+            settings: request.settings.clone(),
+            changes: request.changes.clone(),
+            views: views.filter(|view| view.part() == request.part).collect(),
+        };
         let pinned = request.pinned.as_ref().and_then(|pinned| {
-            let key = (request.part, request.settings.clone(), pinned.clone());
-            self.kept_results(key, sink)
+            self.kept_results(Key { changes: pinned.clone(), ..key.clone() }, sink)
         });
         let draw = |results: &Results, draft: bool| {
             for place in request.views.iter().filter(|place| place.view.part() == request.part) {
@@ -161,7 +174,6 @@ impl Session {
             sink.send(&Answer::Words { text: results.words.clone() });
         };
         let draft = |results: &Results| draw(results, true);
-        let key = (request.part, request.settings.clone(), request.changes.clone());
         let results = match self.results(&key, sink, Some(&draft)) {
             Ok(results) => results,
             Err(Failed::Faults(faults)) => return sink.send(&Answer::Faults { faults }),
@@ -176,7 +188,7 @@ impl Session {
 
     fn results(
         &self,
-        (part, settings, changes): &Key,
+        Key { part, settings, changes, views }: &Key,
         sink: &Sink<'_>,
         draft: Option<&(dyn Fn(&Results) + Sync)>,
     ) -> Result<Results, Failed> {
@@ -192,7 +204,7 @@ impl Session {
                 sink.send(&Answer::Progress { done });
             }
         };
-        let beside = Beside { measured: self.measured.as_ref(), tables: false };
+        let beside = Beside { measured: self.measured.as_ref(), views, tables: false };
         let settings = settings.filled(&self.usual().0);
         let waiting = Waiting { progress: &progress, stop: sink.stop, draft };
         let found = Self::caught(|| compute(*part, &state, &settings, beside, waiting));
@@ -244,7 +256,8 @@ impl Session {
         let mut parts: Vec<Part> = request.views.iter().map(|view| view.part()).collect();
         parts.sort_unstable();
         parts.dedup();
-        let beside = Beside { measured: self.measured.as_ref(), tables: true };
+        let (measured, views) = (self.measured.as_ref(), &request.views[..]);
+        let beside = Beside { measured, views, tables: true };
         let settings = request.settings.filled(&self.usual().0);
         let never = AtomicBool::new(false);
         let waiting = Waiting { progress: &|_| (), stop: &never, draft: None };

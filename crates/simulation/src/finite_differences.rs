@@ -7,7 +7,10 @@
 //! step, because the shortest body has the fewest nodes already, it has cells and steps of half the
 //! length. Cells are as long as the scenario says: the errors are stated, not controlled.
 
-use asperity_dynamics::{FiniteDifference, Integrator, Transient};
+use std::sync::atomic::AtomicBool;
+
+use asperity_dynamics::{DynamicsError, FiniteDifference, Integrator, Transient};
+use asperity_structure::LoadCase;
 use tracing::info_span;
 
 use crate::accuracy::ErrorEstimate;
@@ -21,19 +24,23 @@ use crate::static_state::StaticSummary;
 const OTHER_STEP: f64 = 1.5;
 
 /// The response by finite differences with its estimated errors; where contact is lost, with the
-/// time from which on it depends on rounding.
+/// time from which on it depends on rounding. Once `stop` is set, the run ends within 64 samples.
 pub(crate) fn integrate(
     assembly: &Assembly,
     at_rest: &StaticSummary,
+    stop: &AtomicBool,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<(Transient, Observables), SimulationError> {
     let Assembly { structure, load, sampling, method, .. } = assembly;
     let ports = assembly.sensor_ports();
     let stage = info_span!("integrate").entered();
-    let transient = method.integrate_with_progress(structure, load, &ports, sampling, progress)?;
+    let run = |load: &LoadCase, progress: &(dyn Fn(f64) + Sync)| {
+        method.integrate_unless(structure, load, &ports, sampling, stop, progress)
+    };
+    let transient = run(load, progress)?;
     let mut diverged = None;
     if contact_is_lost(&transient.contacts) {
-        let other = method.integrate(structure, &perturbed(load), &ports, sampling)?;
+        let other = run(&perturbed(load), &|_| ())?;
         let pairs = transient.history.sensors.iter().zip(&other.history.sensors);
         let found = pairs.filter_map(|(a, b)| divergence_sample(&a.displacement, &b.displacement));
         diverged = found.min();
@@ -46,7 +53,7 @@ pub(crate) fn integrate(
     }
     if let Integrator::FiniteDifference(method) = method {
         let _stage = info_span!("estimate the error").entered();
-        let estimate = estimated(*method, assembly, at_rest, &transient, &found);
+        let estimate = estimated(*method, assembly, at_rest, (&transient, &found), stop)?;
         found = found.with_estimate(estimate);
     }
     Ok((transient, found))
@@ -57,9 +64,9 @@ fn estimated(
     method: FiniteDifference,
     assembly: &Assembly,
     at_rest: &StaticSummary,
-    transient: &Transient,
-    found: &Observables,
-) -> ErrorEstimate {
+    (transient, found): (&Transient, &Observables),
+    stop: &AtomicBool,
+) -> Result<ErrorEstimate, SimulationError> {
     let Assembly { structure, load, sampling, .. } = assembly;
     let with_cell = |factor: f64| FiniteDifference { cell: factor * method.cell, ..method };
     let step = |method: FiniteDifference| {
@@ -70,12 +77,16 @@ fn estimated(
         Some(factor) => with_cell(factor),
         None => FiniteDifference { courant: 0.5 * method.courant, ..with_cell(0.5) },
     };
-    let Ok(other) = other.integrate(structure, load, &assembly.sensor_ports(), sampling) else {
-        return ErrorEstimate::unknown(found.all(), DEFAULT_ACCURACY);
+    let unknown = || Ok(ErrorEstimate::unknown(found.all(), DEFAULT_ACCURACY));
+    let ports = assembly.sensor_ports();
+    let other = match other.integrate_unless(structure, load, &ports, sampling, stop, &|_| ()) {
+        Ok(other) => other,
+        Err(stopped @ DynamicsError::Stopped { .. }) => return Err(stopped.into()),
+        Err(_) => return unknown(),
     };
     let Ok(observables) = Observables::of_transient(assembly, at_rest, &other) else {
-        return ErrorEstimate::unknown(found.all(), DEFAULT_ACCURACY);
+        return unknown();
     };
     let divisor = (other.step / transient.step - 1.0).abs();
-    ErrorEstimate::new(found.all(), observables.all(), divisor, DEFAULT_ACCURACY)
+    Ok(ErrorEstimate::new(found.all(), observables.all(), divisor, DEFAULT_ACCURACY))
 }

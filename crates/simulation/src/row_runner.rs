@@ -153,7 +153,7 @@ impl RowRunner {
         let (mut requests, mut places) = (Vec::new(), Vec::new());
         let mut rows: Vec<Option<Result<Row, SimulationError>>> = Vec::with_capacity(numbers.len());
         for number in numbers {
-            rows.push(match self.start(&row(number)) {
+            rows.push(match self.start(&row(number), stop) {
                 Ok(Started::Modal(of_sensors)) => {
                     if let Some(first) = of_sensors.first() {
                         places.push((rows.len(), Arc::clone(&first.prepared), of_sensors.len()));
@@ -184,7 +184,11 @@ impl RowRunner {
     }
 
     /// The request of a row, or its observables if it is not modal.
-    fn start<T: AsRef<str>>(&self, row: &[T]) -> Result<Started, SimulationError> {
+    fn start<T: AsRef<str>>(
+        &self,
+        row: &[T],
+        stop: &AtomicBool,
+    ) -> Result<Started, SimulationError> {
         let folder = self.inputs.folder();
         self.inputs.check(row)?;
         let scenario = || self.inputs.scenario::<T, Scenario>(row);
@@ -200,7 +204,7 @@ impl RowRunner {
             return Ok(Started::Modal(requests));
         }
         let assembly = Assembly::new(&scenario()?, folder)?;
-        let (transient, mut found) = integrate(&assembly, &prepared.at_rest, &|_| ())?;
+        let (transient, mut found) = integrate(&assembly, &prepared.at_rest, stop, &|_| ())?;
         let rate = assembly.sampling.rate();
         let receptance = || Some(receptance_of(&transient.history, rate, &self.frequencies));
         found.frf = magnitudes(&self.frequencies, receptance);

@@ -73,7 +73,8 @@ pub fn simulate_with_progress(
     simulate_unless(document, scenario, &AtomicBool::new(false), progress)
 }
 
-/// As [`simulate_with_progress`]; once `stop` is set, a run by the modal method ends within some steps.
+/// As [`simulate_with_progress`]; once `stop` is set, a run ends within some steps, by finite differences within 64
+/// samples.
 ///
 /// # Errors
 /// Those of [`simulate`], and [`Stopped`](asperity_dynamics::DynamicsError::Stopped).
@@ -90,7 +91,7 @@ pub fn simulate_unless(
         let (transient, found, counts) = converged(&prepared, modal, stop, progress)?;
         (transient, found, Some(counts))
     } else {
-        let (transient, found) = integrate(&prepared.assembly, &prepared.at_rest, progress)?;
+        let (transient, found) = integrate(&prepared.assembly, &prepared.at_rest, stop, progress)?;
         (transient, found, None)
     };
     let (assembly, at_rest) = (prepared.assembly.clone(), prepared.at_rest.clone());

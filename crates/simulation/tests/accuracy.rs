@@ -2,8 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use asperity_dynamics::DynamicsError;
 use asperity_scenario::Document;
-use asperity_simulation::run::{Run, simulate};
+use asperity_simulation::error::SimulationError;
+use asperity_simulation::run::{Run, simulate, simulate_unless};
 use asperity_simulation::warning::Warning;
 use serde_json::Value;
 
@@ -127,4 +131,22 @@ fn rattling_is_named_with_the_time_from_which_rounding_counts() {
     // Contact is lost before rounding can count.
     assert!(summary.sensitive && from > 1e-3 && from < 0.12, "{from}");
     assert!(warnings(&run).contains(&"sensitive"));
+}
+
+/// A run by finite differences that is stopped has no result, be it at its beginning or where its second grid, which shows its
+/// error, is under way.
+#[test]
+fn stopped_finite_differences_are_no_result() {
+    let method = r#"{"kind": "finite_difference", "cell_m": 0.005}"#;
+    let document = rig(&[("/method", method), ("/duration_s", "0.02")]);
+    let scenario = document.scenario().unwrap();
+    for from in [0.0, 1.0] {
+        let stop = AtomicBool::new(false);
+        let found = simulate_unless(&document, &scenario, &stop, &|done| {
+            stop.fetch_or(done >= from, Ordering::Relaxed);
+        });
+        let is_stopped =
+            matches!(found, Err(SimulationError::Dynamics(DynamicsError::Stopped { .. })));
+        assert!(is_stopped, "{from}: {:?}", found.err());
+    }
 }

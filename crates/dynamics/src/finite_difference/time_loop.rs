@@ -12,11 +12,12 @@ use super::loads::{Loads, Place};
 use super::support::SupportStep;
 use crate::{DynamicsError, EnergyLedger, History, Transient};
 use asperity_structure::LoadCase;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Most steps between two measurements of the viscous power.
 const LEDGER_STEPS: usize = 32;
 
-/// Samples between two calls of the progress listener.
+/// Samples between two calls of the progress listener, and two looks at the flag that stops the run.
 const PROGRESS_SAMPLES: usize = 64;
 
 /// A whole run.
@@ -29,6 +30,7 @@ pub(super) struct TimeLoop<'a> {
     pub(super) samples: usize,
     pub(super) stride: usize,
     pub(super) step: f64,
+    pub(super) stop: &'a AtomicBool,
     pub(super) progress: &'a (dyn Fn(f64) + Sync),
 }
 
@@ -46,6 +48,9 @@ impl WithSimd for TimeLoop<'_> {
             .map(|place| (*place, place.nodes(&state.bars[place.body])))
             .collect();
         for sample in 0..self.samples {
+            if sample % PROGRESS_SAMPLES == 0 && self.stop.load(Ordering::Relaxed) {
+                return Err(DynamicsError::Stopped { steps: sample * self.stride });
+            }
             let start = (sample * self.stride) as f64 * self.step;
             state.sample_loads(start);
             if sample == 0 {

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use super::decimation::Decimation;
-use super::dense_output::history;
 use super::energy::ledger;
 use super::load_steps::LoadShapes;
 use super::prepared_case::PreparedCase;
@@ -19,7 +18,7 @@ use super::step_size::{MOST_HALVINGS, Resolution};
 use super::transient_case::{CaseResponse, TransientCase, first_table_exponents, pressure_at};
 use super::variable_steps::{self, Ended, Midway};
 use crate::error::balanced;
-use crate::{ContactExtremes, DynamicsError, InstructionSet, Sampling, Transient};
+use crate::{ContactExtremes, DynamicsError, InstructionSet};
 
 /// Integrates cases in the lanes of vectors, on the calling thread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,9 +35,9 @@ impl Default for Batch {
 
 /// The next attempt at a case that is not finished.
 #[derive(Debug, Clone)]
-struct Attempt {
+pub(super) struct Attempt {
     index: usize,
-    lane: PreparedCase,
+    pub(super) lane: PreparedCase,
     settings: Settings,
     decimation: Arc<Decimation>,
     /// The case where its own steps ended; none for a case from rest.
@@ -206,70 +205,10 @@ impl Batch {
         let decimation = (preparation.decimation)(index, step);
         match variable_steps::respond(case, &decimation, self.instructions, may_end_midway, stop)? {
             Ended::Whole(response, _) => Ok(Begun::Done(response)),
-            Ended::Midway(midway) => match preparation.first(index, case) {
+            Ended::Midway(midway, _) => match preparation.first(index, case) {
                 Ok(attempt) => Ok(Begun::Attempt(attempt.after(Arc::new(*midway)))),
                 Err(_) => self.own_steps((index, case), preparation, false, stop),
             },
-        }
-    }
-
-    /// The whole response to one case.
-    ///
-    /// # Errors
-    /// As [`Modal::integrate`](super::Modal::integrate).
-    pub fn transient(
-        &self,
-        case: &TransientCase,
-        sampling: &Sampling,
-    ) -> Result<Transient, DynamicsError> {
-        self.transient_unless(case, sampling, &AtomicBool::new(false))
-    }
-
-    /// As [`transient`](Self::transient), until `stop` is set.
-    ///
-    /// # Errors
-    /// Those of [`transient`](Self::transient), and [`DynamicsError::Stopped`].
-    pub fn transient_unless(
-        &self,
-        case: &TransientCase,
-        sampling: &Sampling,
-        stop: &AtomicBool,
-    ) -> Result<Transient, DynamicsError> {
-        if case.tolerance.is_some() {
-            return variable_steps::transient(case, sampling, self.instructions, stop);
-        }
-        let (lane, outcome) = self.whole(case, stop)?;
-        Ok(Transient {
-            step: lane.tabulated.step_model.step,
-            steps: lane.steps,
-            history: history(&lane, &outcome, &case.load, sampling),
-            contacts: contact_extremes(&lane, &outcome),
-            energy: ledger(&lane, &outcome),
-        })
-    }
-
-    /// The steps of one case, at the step and with the tables that it needs.
-    pub(super) fn whole(
-        self,
-        case: &TransientCase,
-        stop: &AtomicBool,
-    ) -> Result<(PreparedCase, Outcome), DynamicsError> {
-        let none = Arc::new(Decimation { factor: 1, taps: Arc::new([]) });
-        let decimation = |_: usize, _: f64| Arc::clone(&none);
-        let mut preparation =
-            Preparation { shapes: LoadShapes::default(), decimation: &decimation };
-        let mut attempt = preparation.first(0, case)?;
-        loop {
-            let recording = Recording::EveryStep;
-            let run = BlockRun { lanes: &[&attempt.lane], recording, stop };
-            let outcome = run
-                .run(self.instructions)
-                .and_then(|outcomes| outcomes.into_iter().next())
-                .ok_or(DynamicsError::InstructionSet { set: self.instructions })?;
-            match attempt.next(case, &outcome, &mut preparation)? {
-                Some(next) => attempt = next,
-                None => return Ok((attempt.lane, outcome)),
-            }
         }
     }
 }
@@ -326,14 +265,18 @@ enum Begun {
 }
 
 /// Preparation of attempts, with what they share.
-struct Preparation<'a> {
-    shapes: LoadShapes,
+pub(super) struct Preparation<'a> {
+    pub(super) shapes: LoadShapes,
     /// The filter of case `index` at a step \[s\].
-    decimation: &'a dyn Fn(usize, f64) -> Arc<Decimation>,
+    pub(super) decimation: &'a dyn Fn(usize, f64) -> Arc<Decimation>,
 }
 
 impl Preparation<'_> {
-    fn first(&mut self, index: usize, case: &TransientCase) -> Result<Attempt, DynamicsError> {
+    pub(super) fn first(
+        &mut self,
+        index: usize,
+        case: &TransientCase,
+    ) -> Result<Attempt, DynamicsError> {
         case.model.check(&case.load, case.sensor)?;
         self.attempt(index, case, Settings::first(case))
     }
@@ -376,7 +319,7 @@ impl Attempt {
     }
 
     /// The next attempt after an outcome; none if the outcome is accepted.
-    fn next(
+    pub(super) fn next(
         &self,
         case: &TransientCase,
         outcome: &Outcome,
@@ -428,17 +371,22 @@ impl Attempt {
     }
 
     /// The attempt from where the steps of its own ended.
-    fn after(self, midway: Arc<Midway>) -> Self {
+    pub(super) fn after(self, midway: Arc<Midway>) -> Self {
         let start = Some(Arc::clone(&midway.start));
         // The rest in closed form begins behind the start.
         let tail = self.lane.tail.filter(|tail| tail.from > midway.start.step + CHUNK);
         Self { lane: PreparedCase { start, tail, ..self.lane }, midway: Some(midway), ..self }
     }
 
+    /// True for an outcome that has reached the end with finite numbers.
+    pub(super) fn is_whole(&self, outcome: &Outcome) -> bool {
+        outcome.end == RunEnd::Done && not_finite(&self.lane, outcome).is_none()
+    }
+
     /// The whole response of a case that went on at equal steps, or the attempt without a rest in closed
     /// form; none if equal steps do not serve the case.
     fn after_midway(&self, midway: &Midway, outcome: Outcome) -> Option<Begun> {
-        if outcome.end != RunEnd::Done || not_finite(&self.lane, &outcome).is_some() {
+        if !self.is_whole(&outcome) {
             return None;
         }
         let energy = ledger(&self.lane, &outcome);
@@ -446,11 +394,16 @@ impl Attempt {
             let lane = PreparedCase { tail: None, ..self.lane.clone() };
             return Some(Begun::Attempt(Self { lane, ..self.clone() }));
         }
+        self.joined(midway, outcome).map(|joined| Begun::Done(Box::new(joined)))
+    }
+
+    /// The whole response of a case that went on at equal steps; none if these do not serve the case.
+    pub(super) fn joined(&self, midway: &Midway, outcome: Outcome) -> Option<CaseResponse> {
         let rest = self.record(outcome);
         let opens = rest.contacts.iter().any(|contact| contact.lost > 0.0);
         let joined = midway.joined(rest);
         let is_balanced = !Resolution::too_coarse(joined.energy.residual_relative());
-        (!opens && is_balanced).then(|| Begun::Done(Box::new(joined)))
+        (!opens && is_balanced).then_some(joined)
     }
 
     fn record(&self, outcome: Outcome) -> CaseResponse {
@@ -484,7 +437,7 @@ fn not_finite(lane: &PreparedCase, outcome: &Outcome) -> Option<usize> {
 const TOUCH: f64 = 1e-9;
 
 /// Extremes as pressures, none below loss of contact, and the average stiffness.
-fn contact_extremes(lane: &PreparedCase, outcome: &Outcome) -> Vec<ContactExtremes> {
+pub(super) fn contact_extremes(lane: &PreparedCase, outcome: &Outcome) -> Vec<ContactExtremes> {
     let named = lane.model.contacts().iter().zip(&outcome.contacts).enumerate();
     named
         .map(|(i, (contact, outcome))| {

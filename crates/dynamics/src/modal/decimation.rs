@@ -16,6 +16,11 @@ pub struct Decimation {
 }
 
 impl Decimation {
+    /// No samples.
+    pub(super) fn none() -> Arc<Self> {
+        Arc::new(Self { factor: 1, taps: Arc::new([]) })
+    }
+
     /// Steps per sample kept; one where the factor is zero.
     pub(super) fn stride(&self) -> usize {
         self.factor.max(1)

@@ -8,6 +8,7 @@ use std::cell::Cell;
 
 use asperity_law::Pressure;
 
+use super::lane_start::LaneStart;
 use super::oscillator::{ForceInterpolation, NODES, Propagator};
 use super::prepared_case::PreparedCase;
 use super::simd::outcome::Outcome;
@@ -24,18 +25,29 @@ const LEAST_KNOWN: f64 = 0.01;
 /// Places within a step whose propagators are kept.
 const MOST_PLACES: usize = 64;
 
-/// The samples of one case, at every sensor of its model.
+/// The samples of one case from rest, at every sensor of its model.
 pub(super) fn history(
     case: &PreparedCase,
     outcome: &Outcome,
     load: &LoadCase,
     sampling: &Sampling,
 ) -> History {
-    let mut motion = DenseOutput::new(case, outcome);
-    let count = sampling.samples();
     let (sensors, contacts) = (case.model.sensors(), case.model.contacts().len());
-    let mut history = History::with_capacity(count, sensors, contacts);
-    for sample in 0..count {
+    let mut history = History::with_capacity(sampling.samples(), sensors, contacts);
+    complete(&mut history, case, outcome, load, sampling);
+    history
+}
+
+/// Adds the samples of one case that are not in its `history` yet.
+pub(super) fn complete(
+    history: &mut History,
+    case: &PreparedCase,
+    outcome: &Outcome,
+    load: &LoadCase,
+    sampling: &Sampling,
+) {
+    let mut motion = DenseOutput::new(case, outcome);
+    for sample in history.time.len()..sampling.samples() {
         let time = sample as f64 * sampling.interval();
         history.time.push(time);
         history.load.push(load.value(time));
@@ -47,7 +59,6 @@ pub(super) fn history(
             columns.push(motion.contact(time, i));
         }
     }
-    history
 }
 
 /// The modes, integrated again with their velocities under the pressures found.
@@ -59,6 +70,8 @@ struct DenseOutput<'a> {
     /// Displacements of every mode at the step before.
     before: Vec<f64>,
     at: usize,
+    /// Step of the first rows of the outcome.
+    first: usize,
     /// Coefficients of `s^k` of the tractions within the step from `at`, by interpolation and row.
     tractions: [Vec<[f64; NODES]>; ForceInterpolation::ALL.len()],
     /// Propagators of every mode to places within a step, the whole step first.
@@ -79,8 +92,15 @@ struct Place {
 
 impl<'a> DenseOutput<'a> {
     fn new(case: &'a PreparedCase, outcome: &'a Outcome) -> Self {
-        let states = vec![[0.0; 2]; case.tabulated.step_model.modes.len()];
-        let before = vec![0.0; states.len()];
+        let model = &case.tabulated.step_model;
+        let start = case.start.as_deref();
+        let (states, before) = match start {
+            Some(start) => {
+                start.stepped(model).map(|([now, before], v)| ([now, v], before)).unzip()
+            }
+            None => (vec![[0.0; 2]; model.modes.len()], vec![0.0; model.modes.len()]),
+        };
+        let (at, first) = (case.first_step(), start.map_or(0, LaneStart::first_known));
         let open_below = (0..case.model.contacts().len()).map(|i| case.open_below(i)).collect();
         let (tractions, places) = (Default::default(), Vec::new());
         let moved = vec![[0.0; 3]; case.model.sensors()];
@@ -93,7 +113,8 @@ impl<'a> DenseOutput<'a> {
             outcome,
             states,
             before,
-            at: 0,
+            at,
+            first,
             tractions,
             places,
             open_below,
@@ -131,22 +152,27 @@ impl<'a> DenseOutput<'a> {
 
     fn traction(&self, i: usize, step: Option<usize>) -> f64 {
         let column = &self.outcome.traction[i];
-        step.and_then(|step| column.get(step.min(column.len() - 1))).copied().unwrap_or(0.0)
+        let row = step.and_then(|step| step.checked_sub(self.first));
+        row.and_then(|row| column.get(row.min(column.len() - 1))).copied().unwrap_or(0.0)
+    }
+
+    /// The cubic through four steps of a column of the outcome about part `s` of `step`.
+    fn cubic(&self, column: &[f64], step: usize, s: f64) -> f64 {
+        cubic(column, step - self.first, s)
     }
 
     /// Interpolates the tractions within the step from `at`.
     fn interpolate_tractions(&mut self) {
-        let rows = self.outcome.traction.len();
-        let ends: Vec<[f64; NODES]> = (0..rows)
-            .map(|i| std::array::from_fn(|age| self.traction(i, (self.at + 1).checked_sub(age))))
-            .collect();
-        for (of_rows, interpolation) in self.tractions.iter_mut().zip(ForceInterpolation::ALL) {
-            let weights = interpolation.weights();
-            let coefficients = |ends: &[f64; NODES]| {
-                weights.map(|row| row.iter().zip(ends).map(|(weight, end)| weight * end).sum())
-            };
-            of_rows.clear();
-            of_rows.extend(ends.iter().map(coefficients));
+        self.tractions.iter_mut().for_each(Vec::clear);
+        for i in 0..self.outcome.traction.len() {
+            let ends: [f64; NODES] =
+                std::array::from_fn(|age| self.traction(i, (self.at + 1).checked_sub(age)));
+            for (of_rows, interpolation) in self.tractions.iter_mut().zip(ForceInterpolation::ALL) {
+                let weights = interpolation.weights();
+                let coefficient =
+                    |row: [f64; NODES]| row.iter().zip(&ends).map(|(w, end)| w * end).sum();
+                of_rows.push(weights.map(coefficient));
+            }
         }
     }
 
@@ -261,9 +287,9 @@ impl<'a> DenseOutput<'a> {
             contact.damping().is_none() && contact.friction().is_none()
         };
         let Some(contact) = contact.filter(elastic) else {
-            return cubic(&self.outcome.traction[i], step, s);
+            return self.cubic(&self.outcome.traction[i], step, s);
         };
-        self.pressure(i, contact, cubic(&self.outcome.closure[i], step, s)).value
+        self.pressure(i, contact, self.cubic(&self.outcome.closure[i], step, s)).value
     }
 
     /// Pressure increment of the law of contact `i` at a closure increment \[m\], by a step from where it was last
@@ -290,7 +316,7 @@ impl<'a> DenseOutput<'a> {
     fn contact(&self, time: f64, i: usize) -> (f64, f64, f64) {
         let (step, s) = self.locate(time);
         let contact = &self.case.model.contacts()[i];
-        let increment = cubic(&self.outcome.closure[i], step, s);
+        let increment = self.cubic(&self.outcome.closure[i], step, s);
         let closure = contact.closure() + increment;
         if increment <= self.open_below[i] {
             return (0.0, closure, 0.0);
@@ -300,10 +326,10 @@ impl<'a> DenseOutput<'a> {
     }
 }
 
-/// The cubic through four steps of `column` about part `s` of `step`.
-fn cubic(column: &[f64], step: usize, s: f64) -> f64 {
+/// The cubic through four rows of `column` about part `s` behind `row`.
+fn cubic(column: &[f64], row: usize, s: f64) -> f64 {
     let at = |shift: isize| {
-        let place = step.checked_add_signed(shift);
+        let place = row.checked_add_signed(shift);
         place.map_or(0.0, |place| column[place.min(column.len() - 1)])
     };
     if s <= ON_STEP {

@@ -13,6 +13,8 @@ pub(super) struct LaneStart {
     pub(super) step: usize,
     /// Displacements of every mode of the structure at the last two steps.
     pub(super) modes: Vec<[f64; 2]>,
+    /// Velocity of every mode of the structure.
+    pub(super) velocities: Vec<f64>,
     /// Closure increments \[m\], and traction increments \[Pa\], of each row.
     pub(super) closure: Vec<[f64; NODES]>,
     pub(super) traction: Vec<[f64; NODES]>,
@@ -39,11 +41,21 @@ pub(super) struct ModeStart {
 }
 
 impl LaneStart {
+    /// The first of the steps whose closures and tractions are known.
+    pub(super) fn first_known(&self) -> usize {
+        self.step + 1 - NODES
+    }
+
+    /// Displacements at the last two steps, and velocity, of each mode that `model` steps.
+    pub(super) fn stepped(&self, model: &StepModel) -> impl Iterator<Item = ([f64; 2], f64)> {
+        let all = self.modes.iter().copied().zip(self.velocities.iter().copied());
+        let is_stepped = model.interpolations.iter().map(Option::is_some);
+        all.zip(is_stepped).filter_map(|(mode, is_stepped)| is_stepped.then_some(mode))
+    }
+
     /// Mode `m` of `model`.
     pub(super) fn mode(&self, model: &StepModel, m: usize) -> ModeStart {
-        let stepped = model.interpolations.iter().enumerate().filter(|(_, kind)| kind.is_some());
-        let place = stepped.map(|(place, _)| place).nth(m);
-        let [now, before] = place.and_then(|k| self.modes.get(k)).copied().unwrap_or_default();
+        let ([now, before], _) = self.stepped(model).nth(m).unwrap_or_default();
         let mode = &model.modes[m];
         let forces: [f64; NODES] = std::array::from_fn(|age| self.force(mode, age));
         let taps = &mode.recurrence.contact;

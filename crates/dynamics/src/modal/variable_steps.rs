@@ -42,7 +42,7 @@ use super::assembly::MOST_INTERFACES;
 use super::decimation::Decimation;
 use super::transient_case::{CaseResponse, TransientCase, first_table_exponents};
 use crate::error::{balanced, positive};
-use crate::{DynamicsError, History, InstructionSet, Sampling, Transient};
+use crate::{DynamicsError, History, InstructionSet, Sampling};
 use integration::Integration;
 pub(super) use midway::Midway;
 use midway::Watch;
@@ -54,6 +54,8 @@ struct StepControl {
     base: f64,
     /// Number of base steps.
     steps: usize,
+    /// Base steps in one of the equal steps that may take the case on.
+    stride: usize,
     /// Error of the traction within a step over its largest so far.
     tolerance: f64,
 }
@@ -68,17 +70,54 @@ impl StepControl {
             return Err(DynamicsError::Setting { quantity, value, accepted });
         }
         let tolerance = positive(quantity, value)?;
-        Ok(Self { base, steps, tolerance })
+        Ok(Self { base, steps, stride: 1, tolerance })
+    }
+
+    /// Equal steps \[s\] that may take the case on.
+    fn equal_step(&self) -> f64 {
+        self.stride as f64 * self.base
     }
 }
 
-/// End of a case at steps of its own.
+/// End of a case at steps of its own, with its history, if it was recorded, so far.
 #[derive(Debug)]
 pub(super) enum Ended {
-    /// The whole response, with its history if it was recorded.
+    /// The whole response.
     Whole(Box<CaseResponse>, History),
     /// Left to equal steps, which serve as well.
-    Midway(Box<Midway>),
+    Midway(Box<Midway>, History),
+}
+
+/// A case whose samples are at ends of base steps, of which a whole number is an equal step.
+#[derive(Debug)]
+pub(super) struct SampledCase {
+    /// The case in equal steps that are at most as long as were asked for.
+    pub(super) case: TransientCase,
+    control: StepControl,
+    /// Base steps from sample to sample.
+    parts: usize,
+    samples: usize,
+}
+
+/// Share of the longest equal steps that is long enough, so that the sampling interval is not divided further.
+const LONG_ENOUGH: f64 = 0.8;
+
+impl SampledCase {
+    pub(super) fn new(case: &TransientCase, sampling: &Sampling) -> Result<Self, DynamicsError> {
+        let asked = StepControl::of(case)?;
+        let (interval, samples, most) = (sampling.interval(), sampling.samples(), 1.0 + 1e-9);
+        let stride = |parts: usize| most * asked.base / (interval / parts as f64);
+        let fewest = (1.0 / stride(1)).ceil() as usize;
+        // From four base steps in an equal step on, all are long enough.
+        let is_long = |parts: &usize| stride(*parts).floor() >= LONG_ENOUGH * stride(*parts);
+        let parts = (fewest..=4 * fewest).find(is_long).unwrap_or(fewest);
+        let (base, stride) = (interval / parts as f64, stride(parts) as usize);
+        let steps = (samples * parts).next_multiple_of(stride);
+        let control = StepControl { base, steps, stride, ..asked };
+        let (step, duration) = (Some(control.equal_step()), steps as f64 * base);
+        let case = TransientCase { duration, step, ..case.clone() };
+        Ok(Self { case, control, parts, samples })
+    }
 }
 
 /// The response to a case at steps of its own, through the filter of `decimation`, or the case midway where
@@ -90,41 +129,35 @@ pub(super) fn respond(
     may_end_midway: bool,
     stop: &AtomicBool,
 ) -> Result<Ended, DynamicsError> {
-    let recording = Recording::Filtered { decimation, may_end_midway };
+    let recording = Recording { kept: Kept::Filtered(decimation), may_end_midway };
     recording.run(case, StepControl::of(case)?, (set, stop))
 }
 
-/// The whole response to a case at steps of its own, whose samples are at ends of base steps.
+/// The response to a case at steps of its own with its history, or the case midway where that is enough.
 pub(super) fn transient(
-    case: &TransientCase,
-    sampling: &Sampling,
+    sampled: &SampledCase,
     set: InstructionSet,
+    may_end_midway: bool,
     stop: &AtomicBool,
-) -> Result<Transient, DynamicsError> {
-    let longest = StepControl::of(case)?;
-    let parts = (sampling.interval() / longest.base * (1.0 - 1e-9)).ceil().max(1.0) as usize;
-    let control = StepControl {
-        base: sampling.interval() / parts as f64,
-        steps: sampling.samples() * parts,
-        ..longest
-    };
-    match Recording::Every(parts).run(case, control, (set, stop))? {
-        Ended::Whole(response, history) => {
-            let CaseResponse { step, integrated_steps: steps, contacts, energy, .. } = *response;
-            Ok(Transient { step, steps, history, contacts, energy })
-        }
-        // Not asked for.
-        Ended::Midway(_) => Err(DynamicsError::InstructionSet { set }),
-    }
+) -> Result<Ended, DynamicsError> {
+    let kept = Kept::Every { parts: sampled.parts, samples: sampled.samples };
+    let recording = Recording { kept, may_end_midway };
+    recording.run(&sampled.case, sampled.control, (set, stop))
 }
 
 /// Record of the motion.
 #[derive(Debug, Clone, Copy)]
-enum Recording<'a> {
+struct Recording<'a> {
+    kept: Kept<'a>,
+    may_end_midway: bool,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Kept<'a> {
     /// The displacement of one sensor, filtered and decimated.
-    Filtered { decimation: &'a Arc<Decimation>, may_end_midway: bool },
-    /// All sensors and contacts at every so many base steps.
-    Every(usize),
+    Filtered(&'a Arc<Decimation>),
+    /// Samples of all sensors and contacts at every so many base steps.
+    Every { parts: usize, samples: usize },
 }
 
 impl Recording<'_> {
@@ -153,43 +186,44 @@ impl Recording<'_> {
         let mut run: Integration<'_, N> =
             Integration::new(&case.model, &case.load, &exponents, control)?;
         let (mut readings, mut history) = (vec![0.0], History::default());
-        let none = Arc::new(Decimation { factor: 1, taps: Arc::new([]) });
-        let mut watch = None;
-        let decimation = match self {
-            Self::Filtered { decimation, may_end_midway } => {
-                watch = may_end_midway.then(|| Watch::new(case, control)).flatten();
-                decimation
-            }
-            Self::Every(_) => {
+        let none = Decimation::none();
+        let mut watch = self.may_end_midway.then(|| Watch::new(case, control)).flatten();
+        let decimation = match self.kept {
+            Kept::Filtered(decimation) => decimation,
+            Kept::Every { samples, .. } => {
                 let (sensors, contacts) = (case.model.sensors(), case.model.contacts().len());
-                history = History::with_capacity(control.steps + 1, sensors, contacts);
+                history = History::with_capacity(samples, sensors, contacts);
                 run.record(&mut history, 0.0);
                 &none
             }
         };
         let mut midway = false;
         let record = |run: &mut Integration<'_, N>, done: usize| {
-            match self {
-                Self::Filtered { .. } => readings.push(run.displacement(case.sensor)),
-                Self::Every(parts) if done.is_multiple_of(parts) && done < control.steps => {
+            match self.kept {
+                Kept::Every { parts, samples }
+                    if done.is_multiple_of(parts) && done / parts < samples =>
+                {
                     run.record(&mut history, done as f64 * control.base);
                 }
-                Self::Every(_) => {}
+                _ => {}
             }
-            midway = watch.as_mut().is_some_and(|watch| watch.ends_at(run, done));
+            if done.is_multiple_of(control.stride) {
+                readings.push(run.displacement(case.sensor));
+                midway = watch.as_mut().is_some_and(|watch| watch.ends_at(run, done));
+            }
             if midway { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         on(set, Steps(&mut run, record, stop))??;
         if let (true, Some(watch)) = (midway, watch) {
-            return Ok(Ended::Midway(Box::new(watch.midway(&run, readings))));
+            return Ok(Ended::Midway(Box::new(watch.midway(&run, readings)), history));
         }
         // The state at the very end is beyond the samples.
-        readings.truncate(control.steps);
+        readings.truncate(control.steps / control.stride);
         let energy = run.ledger();
         balanced(energy.residual_relative(), run.shortest, "step")?;
         let response = CaseResponse {
-            step: control.base,
-            steps: control.steps,
+            step: control.equal_step(),
+            steps: control.steps / control.stride,
             integrated_steps: run.taken,
             modes: case.model.row_modes().modes.len(),
             displacement: decimation.filtered(&readings),

@@ -1,9 +1,11 @@
 //! The two integrators against each other: finite differences whose cells shrink tend to modal
 //! steps, over bodies, laws, supports, excitations and dampings.
 
-use crate::support::{AREA, DISC, Law, difference, every_law, pulse, run_at};
-use asperity_dynamics::{FiniteDifference, Modal, Transient};
-use asperity_mesh::{Body, Interface, Stack, Support};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::support::{AREA, DISC, Law, difference, every_law, power, pulse, rig, run_at};
+use asperity_dynamics::{DynamicsError, FiniteDifference, Integrator, Modal, Sampling, Transient};
+use asperity_mesh::{Body, Interface, Port, Stack, Support};
 use asperity_structure::{Damping, LoadCase, PreloadedStructure, SampledFunction, TimeFunction};
 
 struct Scenario {
@@ -164,4 +166,20 @@ fn finite_differences_tend_to_modal_steps() {
         }
     }
     assert!(failures.is_empty(), "{failures:#?}");
+}
+
+/// A run whose flag is set at the first report of its progress ends before the second.
+#[test]
+fn finite_differences_stop_within_some_samples() {
+    let stack = rig(&power());
+    let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035)).unwrap();
+    let sampling = Sampling::new(1.0, 2e5).unwrap();
+    let stop = AtomicBool::new(false);
+    let method = Integrator::from(FiniteDifference::default());
+    let stride = method.outline(&structure, &pulse(20.0), &sampling).unwrap().steps / 200_000;
+    let at_once = |_: f64| stop.store(true, Ordering::Relaxed);
+    let found =
+        method.integrate_unless(&structure, &pulse(20.0), &[Port::TOP], &sampling, &stop, &at_once);
+    let Err(DynamicsError::Stopped { steps }) = found else { panic!("{found:?}") };
+    assert_eq!(steps, 64 * stride);
 }

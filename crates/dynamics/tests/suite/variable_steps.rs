@@ -162,7 +162,8 @@ fn steps_of_their_own_agree_with_short_equal_steps() {
         }
         let of_equal_steps = Modal { tolerance: None, ..variable(1.0, Some(1e-7), 12) };
         let equal = case.run(of_equal_steps);
-        let found = case.run(variable(1e-7, None, 12));
+        // Where contact holds, the rest is at equal steps of this length.
+        let found = case.run(variable(1e-7, Some(1e-6), 12));
         let opens = equal.contacts.iter().any(|contact| contact.lost > 0.0);
         opened += usize::from(opens);
         let apart = off(&found, &equal);
@@ -264,49 +265,4 @@ fn cases_without_steps_of_their_own_are_refused() {
             "{error}"
         );
     }
-}
-
-/// Hard hits on random rigs with damped contacts: the rest, left to equal steps once contact holds, goes on as
-/// at steps of their own, with the same sums, the more closely the shorter the steps.
-#[test]
-fn the_rest_at_equal_steps_goes_on_as_at_steps_of_their_own() {
-    let all_steps = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });
-    let (mut left, mut failures) = (0, Vec::new());
-    for seed in [3, 6, 7, 10, 13, 18, 22] {
-        let mut hit = case(seed);
-        hit.force = hit.force.with_amplitude(3.0 * hit.force.amplitude());
-        let structure =
-            PreloadedStructure::new(hit.stack.clone(), Damping::Rate(hit.rate)).unwrap();
-        let natural = structure.natural_frequency().unwrap();
-        // Largest differences of the displacement, the energies, and the contacts.
-        for (parts, most) in [(4.0, [4e-4, 4e-4, 2e-5]), (16.0, [1e-5, 5e-6, 5e-7])] {
-            let (duration, base) = (40.0 / natural, 0.01 / natural / parts);
-            let sampling = Sampling::new(duration, 1.0 / base).unwrap();
-            let method = variable(1e-5 / f64::powi(parts, 4), Some(base), 6);
-            let case = method.case(&structure, &hit.force, &[Port::TOP], &sampling).unwrap();
-            let whole = Batch::default().transient(&case, &sampling).unwrap();
-            let found = Batch::default().run(&[case], &|_, _| Arc::clone(&all_steps));
-            let found = found.into_iter().next().unwrap().unwrap();
-            left += usize::from(found.integrated_steps != whole.steps);
-            let displacement = &whole.history.sensors[0].displacement;
-            let moved = relative_norm(&found.displacement[..displacement.len()], displacement);
-            let [a, b] = [&whole.energy, &found.energy].map(|energy| {
-                [energy.input, energy.dissipated, energy.contact_dissipated, energy.stored()]
-            });
-            let energy = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            let contact = whole.contacts.iter().zip(&found.contacts).map(|(a, b)| {
-                assert_eq!(a.lost, b.lost, "{}", hit.name);
-                let least = (a.pressure_min - b.pressure_min).abs() / a.pressure_max;
-                let largest = (a.pressure_max / b.pressure_max - 1.0).abs();
-                let mean = (a.stiffness_average / b.stiffness_average - 1.0).abs();
-                least.max(largest).max(mean)
-            });
-            let apart = [moved, energy / whole.energy.input, contact.fold(0.0, f64::max)];
-            if !apart.iter().zip(most).all(|(apart, most)| *apart < most) {
-                failures.push(format!("{parts} {apart:?} {}", hit.name));
-            }
-        }
-    }
-    assert!(left >= 12, "{left}");
-    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }

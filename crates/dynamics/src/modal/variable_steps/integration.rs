@@ -206,21 +206,22 @@ impl<'a, const N: usize> Integration<'a, N> {
     /// may be lost.
     fn may_lengthen(&mut self, level: usize) -> bool {
         let (short, long) = (self.level(level), self.level(level - 1));
-        self.ringing(Some(&short), &long) <= self.control.tolerance * self.measures.work.abs()
+        self.ringing(Some(&short.coefficients), &long.coefficients)
+            <= self.control.tolerance * self.measures.work.abs()
     }
 
-    /// True if base steps would lose as little of the energy of modes that ring.
-    pub(super) fn may_take_base_steps(&mut self) -> bool {
-        let long = self.level(0);
+    /// True if steps of `step` \[s\] would lose as little of the energy of modes that ring.
+    pub(super) fn may_take_steps(&self, step: f64) -> bool {
+        let long = self.model.step_coefficients(step, self.exponents);
         self.ringing(None, &long) <= self.control.tolerance * self.measures.work.abs()
     }
 
-    /// Energy of the modes that ring \[J\] and are in motion at steps of one level, if given, and follow their
-    /// forces at once at the longer steps of another.
-    fn ringing(&self, short: Option<&Level<N>>, long: &Level<N>) -> f64 {
+    /// Energy of the modes that ring \[J\] and are in motion at `short` steps, if given, and follow their forces at
+    /// once at `long` ones.
+    fn ringing(&self, short: Option<&StepCoefficients>, long: &StepCoefficients) -> f64 {
         let mut ringing = 0.0;
         for (n, mode) in self.model.row_modes().modes.iter().enumerate() {
-            let follows = |level: &Level<N>| level.coefficients.modes[n].follows();
+            let follows = |steps: &StepCoefficients| steps.modes[n].follows();
             if follows(long) && !short.is_some_and(follows) {
                 let (state, lane) = (&self.modes[n / LANES], n % LANES);
                 let w = mode.angular_frequency;
@@ -435,6 +436,12 @@ impl<'a, const N: usize> Integration<'a, N> {
     /// Displacement of every mode \[m kg^(1/2)\].
     pub(super) fn modes(&self) -> impl Iterator<Item = f64> {
         let states = self.modes.iter().flat_map(|state| state.displacement);
+        states.take(self.model.row_modes().modes.len())
+    }
+
+    /// Velocity of every mode \[m kg^(1/2)/s\].
+    pub(super) fn mode_velocities(&self) -> impl Iterator<Item = f64> {
+        let states = self.modes.iter().flat_map(|state| state.velocity);
         states.take(self.model.row_modes().modes.len())
     }
 

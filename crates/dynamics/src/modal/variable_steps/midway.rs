@@ -29,9 +29,12 @@ pub(in crate::modal) struct Midway {
     taken: usize,
 }
 
-/// The last base steps of a case, and where it may be left.
+/// The last of some equal steps of a case, and where it may be left.
 #[derive(Debug)]
 pub(super) struct Watch {
+    /// The equal step \[s\], in base steps.
+    step: f64,
+    stride: usize,
     /// Base steps of a part, and between which base steps the case may be left.
     part: usize,
     first: usize,
@@ -41,7 +44,7 @@ pub(super) struct Watch {
     recent: [Recent; NODES],
 }
 
-/// The rows and the modes at the end of a base step.
+/// The rows and the modes at the end of an equal step.
 #[derive(Debug, Clone, Default)]
 struct Recent {
     closure: Vec<f64>,
@@ -53,17 +56,19 @@ struct Recent {
 impl Watch {
     /// None for a case that is never left: too short, or without a lowest frequency.
     pub(super) fn new(case: &TransientCase, control: StepControl) -> Option<Self> {
-        let part = control.steps / PARTS;
+        let stride = control.stride;
+        let part = control.steps / PARTS / stride * stride;
         let natural = case.model.preloaded().natural_frequency()?;
         let pressed = (PRESSED / (natural * control.base)).ceil();
         let last = LAST_PART * part;
         // The cast saturates.
         let pressed = pressed as usize;
-        let first = pressed.max(2 * NODES);
-        (first < last).then(|| Self { part, first, last, pressed, recent: Default::default() })
+        let first = pressed.max(2 * NODES * stride);
+        let (step, recent) = (control.equal_step(), Default::default());
+        (first < last).then_some(Self { step, stride, part, first, last, pressed, recent })
     }
 
-    /// Takes in the state after `done` base steps; true if the case may be left there.
+    /// Takes in the state after `done` base steps, at the end of an equal step; true if the case may be left there.
     pub(super) fn ends_at<const N: usize>(
         &mut self,
         run: &mut Integration<'_, N>,
@@ -72,17 +77,17 @@ impl Watch {
         if done < self.first || done > self.last {
             return false;
         }
-        let ahead = done.next_multiple_of(self.part) - done;
+        let ahead = (done.next_multiple_of(self.part) - done) / self.stride;
         if ahead < NODES {
             self.recent.rotate_right(1);
             let (closure, traction, viscous) = run.rows_now();
             let modes = if ahead < 2 { run.modes().collect() } else { Vec::new() };
             self.recent[0] = Recent { closure, traction, viscous, modes };
         }
-        ahead == 0 && run.pressed >= self.pressed && run.may_take_base_steps()
+        ahead == 0 && run.pressed >= self.pressed && run.may_take_steps(self.step)
     }
 
-    /// The case where it is left, with its output at base steps so far.
+    /// The case where it is left, with its output at equal steps so far.
     pub(super) fn midway<const N: usize>(
         self,
         run: &Integration<'_, N>,
@@ -107,6 +112,7 @@ impl Watch {
                 .map(|i| array::from_fn(|age| of(age, |one| &one.traction, i)))
                 .collect(),
             viscous: rows.map(|i| array::from_fn(|age| of(age, |one| &one.viscous, i))).collect(),
+            velocities: run.mode_velocities().collect(),
             stiffness: run.stiffness_now(),
             load_port: run.load_port()[0],
             readings,

@@ -52,6 +52,33 @@ struct RecordedSteps {
     closure: Vec<Vec<f64>>,
 }
 
+impl RecordedSteps {
+    /// Rest, or the last steps before the start of a case, in columns with room for all `steps`.
+    fn begin(case: &PreparedCase, steps: usize) -> Self {
+        let column = |past: &[f64], scale: f64| {
+            let mut column = Vec::with_capacity(steps + 1);
+            column.extend(past.iter().rev().map(|number| scale * number));
+            column
+        };
+        let rows = 0..case.model.rows();
+        match &case.start {
+            None => {
+                let rest = || rows.clone().map(|_| column(&[0.0], 1.0)).collect();
+                Self { displacement: column(&[0.0], 1.0), pressure: rest(), closure: rest() }
+            }
+            Some(start) => {
+                let cells = |i: usize| case.tabulated.cells_per_metre(i);
+                let closure = |i: usize| column(&start.closure[i], cells(i));
+                Self {
+                    displacement: start.readings[start.first_known()..].to_vec(),
+                    pressure: rows.clone().map(|i| column(&start.traction[i], 1.0)).collect(),
+                    closure: rows.map(closure).collect(),
+                }
+            }
+        }
+    }
+}
+
 /// The steps before the first, oldest first, and room for those of a chunk.
 fn past_steps<S: TableLookup, const N: usize>(
     simd: S,
@@ -95,16 +122,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
                 decimator = Some(new);
             }
             Recording::EveryStep => {
-                let column = || {
-                    let mut column = Vec::with_capacity(steps + 1);
-                    column.push(0.0);
-                    column
-                };
-                let columns = |lane: &&PreparedCase| {
-                    let each = || (0..lane.model.rows()).map(|_| column()).collect();
-                    RecordedSteps { displacement: column(), pressure: each(), closure: each() }
-                };
-                recorded = lanes.iter().map(columns).collect();
+                recorded = lanes.iter().map(|lane| RecordedSteps::begin(lane, steps)).collect();
             }
         }
         Self {
