@@ -330,7 +330,7 @@ fn steady_writes_the_files_and_columns_of_the_contract() {
     assert!(columns.starts_with("branch,point,force_n,frequency_hz,amplitude_1_m,amplitude_2_m,"));
     assert!(columns.ends_with(
         ",phase_1_rad,guide-sample:pressure_min_pa,guide-sample:pressure_max_pa,\
-         sample-disc:pressure_min_pa,sample-disc:pressure_max_pa,stable,contact_lost"
+         sample-disc:pressure_min_pa,sample-disc:pressure_max_pa,stable,contact_lost,truncation"
     ));
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(summary["schema"], "asperity/steady/1");
