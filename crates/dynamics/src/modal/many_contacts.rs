@@ -56,6 +56,10 @@ const LEAST: f64 = 1e-4;
 /// Roundings of a viscous force that are no residual: impulses grow to some times their size at rest.
 const ROUNDINGS: f64 = 100.0 * f64::EPSILON;
 
+/// The same of the force at rest, from which forces are counted: a soft structure on stiff contacts moves by far more
+/// under it than these close.
+const ROUNDINGS_AT_REST: f64 = 4.0 * f64::EPSILON;
+
 /// A structure in component modes with many contacts, under a load at one port, read at others.
 ///
 /// ```
@@ -252,7 +256,7 @@ struct Run<'a> {
     drift: Vec<[f64; 2]>,
     free: Vec<f64>,
     largest: f64,
-    /// Closures by the rounding of viscous forces \[m\].
+    /// Closures by the rounding of forces \[m\].
     noise: f64,
     extremes: Vec<Extremes>,
     group_extremes: Vec<Extremes>,
@@ -294,7 +298,12 @@ impl<'a> Run<'a> {
         let noise = |(i, contact): (usize, &PreloadedContact)| {
             flexibility[(i, i)] * system.forces.impulse_size(i, contact) / step
         };
-        let noise = ROUNDINGS * contacts.iter().enumerate().map(noise).fold(0.0, f64::max);
+        let of_dampers = ROUNDINGS * contacts.iter().enumerate().map(noise).fold(0.0, f64::max);
+        let of_row = |i: usize| {
+            let carried = contacts.iter().enumerate();
+            carried.map(|(j, one)| (flexibility[(i, j)] * one.area() * one.pressure()).abs()).sum()
+        };
+        let noise = of_dampers + ROUNDINGS_AT_REST * (0..n).map(of_row).fold(0.0, f64::max);
         let load_value = load.value(0.0);
         let modal_force = modes.iter().map(|mode| mode.load * load_value).collect();
         let mut run = Self {

@@ -132,6 +132,43 @@ fn patch(count: usize, damping: Option<ContactDamping>) -> ManyContacts {
     ManyContacts::new(Arc::new(structure), count, vec![count]).unwrap()
 }
 
+/// Two cells under one end of a spring of 100 N/m with a block on its other end: they take up a slow force at their end
+/// between them. Without contact forces that end moves by 1e5 times as much as the cells close, so that the equations of the
+/// contacts are solved to rounding alone.
+#[test]
+fn stiff_contacts_of_a_soft_structure_take_up_the_load() {
+    let (flexibility, force) = (1e-2, 0.02);
+    let local = |a: usize, b: usize| if a == b && a < 2 { 1e-12 } else { 0.0 };
+    let row = |a: usize| (0..3).map(|b| flexibility + local(a, b)).collect();
+    let residual = ResidualFlexibility::from_rows(&[row(0), row(1), row(2)]).unwrap();
+    let pairs = [0, 1].map(PortPair::on_ground).to_vec();
+    let block = NormalMode::rigid(vec![1.0; 3]);
+    let modes = ComponentModes::new(vec![block], residual, pairs, vec![]).unwrap();
+    let law: Arc<dyn ContactLaw> = Arc::new(Power::new(1e9, 0.5, 0.0).unwrap());
+    let contact = |i: usize| UnloadedContact {
+        name: format!("{i}"),
+        area: 1e-4,
+        law: Arc::clone(&law),
+        gap: 0.0,
+        damping: None,
+    };
+    let at_rest = contacts_at_rest(&modes, &[0, 1].map(contact), &[(2, 100.0)]).unwrap();
+    let stiffness = at_rest[0].stiffness() * at_rest[0].area();
+    let structure = PreloadedStructure::of_components(modes, at_rest, Damping::Rate(0.0)).unwrap();
+    let system = ManyContacts::new(Arc::new(structure), 2, vec![2]).unwrap();
+    let load = TimeFunction::Harmonic { frequency: 150.0 };
+    let sampling = Sampling::new(0.0185, 1e4).unwrap();
+    let found = system.integrate(&LoadCase::force(load, force), &sampling, 4).unwrap();
+    for cell in &found.history.interfaces {
+        let half = 0.5 * force / stiffness;
+        let of_load = |load: &f64| 0.5 * load / stiffness;
+        let pairs = cell.closure.iter().zip(found.history.load.iter().map(of_load));
+        let off = pairs.map(|(closure, own)| (closure - cell.closure[0] - own).abs());
+        let off = off.fold(0.0, f64::max);
+        assert!(off < 1e-3 * half, "{off:e} of {half:e}");
+    }
+}
+
 /// Against the explicit classical method of fourth order on the same equations, without and with damping of the
 /// contacts.
 #[test]
