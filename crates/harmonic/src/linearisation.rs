@@ -67,7 +67,7 @@ impl Linearisation {
         }
     }
 
-    /// Sign of the determinant. An iteration does not know it: one.
+    /// Sign of the determinant; one where equations are solved by iteration, which gives none.
     pub(crate) fn orientation(&self) -> f64 {
         match self {
             Self::Direct(factors) => factors.determinant_sign(),
