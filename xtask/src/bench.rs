@@ -1,11 +1,14 @@
-//! `cargo xtask bench`: the speed of the kernels, of rows of studies, of a sweep and of steady responses, as tables.
+//! `cargo xtask bench`: the speed of the kernels, of rows of studies, of a sweep, of steady responses and of large
+//! structures of matrices, as tables.
+
+mod reductions;
 
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
-use crate::workspace::cargo;
+use crate::workspace::{cargo, workspace_root};
 
 /// Runs of the sweep that is timed.
 const RUNS: usize = 100_000;
@@ -52,6 +55,7 @@ pub(crate) fn run() -> Result<bool> {
     println!("| observables, CSV, figure | {RUNS} | {seconds:.2} | {:.0} |", RUNS as f64 / seconds);
     println!();
     steady()?;
+    reductions::run(&workspace_root().join("target/release/asperity"))?;
     Ok(true)
 }
 

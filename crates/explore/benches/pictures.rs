@@ -9,15 +9,16 @@ use std::net::TcpStream;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use asperity_explore::{ExploreOptions, Server};
 use asperity_scenario::Document;
 use serde_json::{Value, json};
 
-/// Inputs of a median, and random ones.
+/// Inputs of a median, and random ones, one every so many milliseconds.
 const INPUTS: usize = 40;
-const RANDOM_INPUTS: usize = 1000;
+const RANDOM_INPUTS: u32 = 2000;
+const INTERVAL: Duration = Duration::from_millis(30);
 
 fn main() {
     let rig = "../../fixtures/scenarios/nouira2020-modified.json";
@@ -47,6 +48,8 @@ fn main() {
             ("levels", vec!["levels"]),
             ("steady", vec!["steady"]),
         ] {
+            // A shaker opens the contacts of the plain law from 1.4 N on.
+            let shaken = if law == "pl" { 2.0 } else { 0.6 };
             let ask = |input: usize| {
                 let changes = with(power(law), "/excitation/peak_n", 32.0 * moved(input));
                 let changes = changes.as_array().unwrap().clone();
@@ -54,7 +57,7 @@ fn main() {
                 let views: Vec<Value> =
                     views.iter().map(|view| json!({ "view": view, "width": 460 })).collect();
                 json!({ "tab": "bench", "part": part, "views": views, "changes": changes,
-                        "settings": { "amplitudes": [0.6] } })
+                        "settings": { "amplitudes": [shaken] } })
             };
             let (mut drawn, mut ended, mut spent) = (Vec::new(), Vec::new(), [0.0; 2]);
             for input in 0..INPUTS {
@@ -80,40 +83,59 @@ fn main() {
     served.join().unwrap();
 }
 
-/// Many random inputs, with the memory of the process before and after.
+/// Random inputs of all parts in a minute, each of which takes the place of the one before, as those of a slider that
+/// moves; with the memory of the process before and after, and the last answers against those to the same questions alone.
 fn random_inputs(url: &str) {
     let mut random: u64 = 1;
     let mut unit = || {
         random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         (random >> 40) as f64 / f64::from(1 << 24)
     };
+    let parts = [("hit", vec!["law", "frf"]), ("levels", vec!["levels"]), ("steady", vec!["steady"])];
     let begun = Instant::now();
-    let mut before = None;
+    let (mut before, mut open, mut last) = (None, [None, None, None], Value::Null);
     for input in 0..RANDOM_INPUTS {
-        let changes = json!([
+        last = json!([
             ["/excitation/peak_n", 2.0 + 60.0 * unit()],
             ["/laws/modified/exponent", 0.3 + 0.1 * unit()],
             ["/damping/ratio", 0.01 + 0.05 * unit()],
         ]);
-        let pinned = json!([["/excitation/peak_n", (20.0 * unit()).ceil()]]);
-        let views = json!([{ "view": "law", "width": 460 }, { "view": "frf", "width": 460 }]);
-        let asked = json!({ "tab": "bench", "part": "hit", "views": views, "changes": changes,
-                            "pinned": pinned });
-        answer(url, &asked.to_string());
+        for ((part, views), open) in parts.iter().zip(&mut open) {
+            // The page gives up the answer before.
+            *open = Some(send(url, &asked("random", part, views, &last)));
+        }
         if input == RANDOM_INPUTS / 10 {
             before = memory();
         }
+        std::thread::sleep((INTERVAL * (input + 1)).saturating_sub(begun.elapsed()));
     }
+    drop(open);
     let seconds = begun.elapsed().as_secs_f64();
-    println!("{RANDOM_INPUTS} random inputs in {seconds:.1} s");
+    println!("{RANDOM_INPUTS} random inputs of all parts in {seconds:.1} s");
     if let (Some(before), Some(after)) = (before, memory()) {
         println!("memory after a tenth of them {before:.0} MB, after all {after:.0} MB");
     }
+    for (part, views) in &parts {
+        let [own, alone] =
+            ["random", "alone"].map(|tab| answer(url, &asked(tab, part, views, &last)).pictures);
+        assert!(!own.is_empty() && own == alone, "{part}");
+    }
+    println!("the last answers are those to the same questions alone");
+}
+
+/// A question of a page.
+fn asked(tab: &str, part: &str, views: &[&str], changes: &Value) -> String {
+    let views: Vec<Value> =
+        views.iter().map(|view| json!({ "view": view, "width": 460 })).collect();
+    json!({ "tab": tab, "part": part, "views": views, "changes": changes,
+            "settings": { "amplitudes": [0.6] } })
+    .to_string()
 }
 
 /// Times of an answer \[ms\]: to its first pictures with their numbers and to the end, and the processor time of the
-/// process until both.
-struct Times {
+/// process until both; and its last pictures.
+struct Answer {
+    pictures: Vec<String>,
     drawn: f64,
     ended: f64,
     processor: [f64; 2],
@@ -134,11 +156,9 @@ fn memory() -> Option<f64> {
     Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? / 1024.0)
 }
 
-/// Sends a request and reads its answer to the end.
-fn answer(url: &str, body: &str) -> Times {
+/// Sends a request.
+fn send(url: &str, body: &str) -> TcpStream {
     let (host, path) = url.strip_prefix("http://").unwrap().split_once('/').unwrap();
-    let (begun, before) = (Instant::now(), processor_ms());
-    let spent = || before.zip(processor_ms()).map_or(f64::NAN, |(before, now)| now - before);
     let mut stream = TcpStream::connect(host).unwrap();
     let length = body.len();
     let head = format!(
@@ -146,11 +166,22 @@ fn answer(url: &str, body: &str) -> Times {
          Connection: close\r\nContent-Length: {length}\r\n\r\n{body}"
     );
     stream.write_all(head.as_bytes()).unwrap();
-    let mut reader = BufReader::new(stream);
+    stream
+}
+
+/// Sends a request and reads its answer to the end.
+fn answer(url: &str, body: &str) -> Answer {
+    let (begun, before) = (Instant::now(), processor_ms());
+    let spent = || before.zip(processor_ms()).map_or(f64::NAN, |(before, now)| now - before);
+    let mut reader = BufReader::new(send(url, body));
     let (mut line, mut drawn, mut status, mut done) = (String::new(), None, String::new(), false);
+    let mut pictures = Vec::new();
     while reader.read_line(&mut line).unwrap() > 0 {
         if status.is_empty() {
             status.clone_from(&line);
+        }
+        if line.contains(r#""answer":"picture""#) && line.contains(r#""draft":false"#) {
+            pictures.push(line.clone());
         }
         if drawn.is_none() && line.contains(r#""answer":"words""#) {
             drawn = Some((begun.elapsed(), spent()));
@@ -161,7 +192,8 @@ fn answer(url: &str, body: &str) -> Times {
     let end = (begun.elapsed(), spent());
     assert!(status.contains("200") && done, "{status}");
     let drawn = drawn.unwrap_or(end);
-    Times {
+    Answer {
+        pictures,
         drawn: 1e3 * drawn.0.as_secs_f64(),
         ended: 1e3 * end.0.as_secs_f64(),
         processor: [drawn.1, end.1],

@@ -1,8 +1,8 @@
 //! A linear structure with its contacts.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-use asperity_law::{CompiledLaw, Friction};
+use asperity_law::{CompiledLaw, Friction, RelativeTable};
 use asperity_structure::{Guide, PreloadedContact, PreloadedStructure};
 
 use crate::{HarmonicError, LinearSystem, SystemPort};
@@ -60,6 +60,8 @@ pub struct ContactSystem {
     linear: Arc<dyn LinearSystem>,
     contacts: Vec<PreloadedContact>,
     tables: Vec<Option<CompiledLaw>>,
+    /// Tables from first contact on, made where a contact opens; none without tables.
+    from_contact: Vec<OnceLock<Option<RelativeTable>>>,
     /// The load, and after it the sensors.
     ports: Vec<SystemPort>,
 }
@@ -83,9 +85,13 @@ impl ContactSystem {
             });
         }
         let tables = contacts.iter().map(|contact| table(contact, evaluation));
-        let tables = tables.collect::<Result<_, _>>()?;
+        let tables = tables.collect::<Result<Vec<_>, _>>()?;
+        let from_contact = match evaluation {
+            LawEvaluation::Exact => Vec::new(),
+            LawEvaluation::Tabulated(_) => vec![OnceLock::new(); contacts.len()],
+        };
         let ports = vec![linear.default_port(); 2];
-        Ok(Self { linear, contacts, tables, ports })
+        Ok(Self { linear, contacts, tables, from_contact, ports })
     }
 
     /// The system with its load and its sensors at other ports.
@@ -239,11 +245,15 @@ impl ContactSystem {
         forces: &mut [f64],
         tangents: &mut [f64],
     ) {
-        let Some(table) = &self.tables[interface] else {
-            return self.forces_of_law(interface, closures, forces, tangents);
-        };
         let contact = &self.contacts[interface];
         let area = contact.area();
+        let Some(table) = &self.tables[interface] else {
+            for (&x, (force, tangent)) in closures.iter().zip(forces.iter_mut().zip(tangents)) {
+                let found = contact.pressure_increment(x);
+                (*force, *tangent) = (area * found.value, area * found.tangent);
+            }
+            return;
+        };
         for (&x, (force, tangent)) in closures.iter().zip(forces.iter_mut().zip(tangents)) {
             let (mut value, mut slope) = table.get_with_tangent(x);
             if value.is_nan() {
@@ -254,19 +264,34 @@ impl ContactSystem {
         }
     }
 
-    /// The [`forces`](Self::forces) by the law itself.
-    pub(crate) fn forces_of_law(
+    /// The [`forces`](Self::forces) to the relative accuracy of a [`RelativeTable`], at closures that count from rest as
+    /// `first` does, the one of first contact \[m\].
+    ///
+    /// Next to an opening a table to an absolute error has tangents of no digits.
+    pub(crate) fn forces_from_contact(
         &self,
         interface: usize,
+        first: f64,
         closures: &[f64],
-        forces: &mut [f64],
-        tangents: &mut [f64],
+        (forces, tangents): (&mut [f64], &mut [f64]),
     ) {
         let contact = &self.contacts[interface];
-        let area = contact.area();
+        let (area, at_rest) = (contact.area(), contact.pressure());
+        let table = self.from_contact.get(interface).and_then(|table| {
+            // Open contacts have no pressure at rest: the table then ends where others do.
+            let highest = self.contacts.iter().map(PreloadedContact::pressure).fold(0.0, f64::max);
+            let top = TABLE_TOP * if at_rest > 0.0 { at_rest } else { highest };
+            table.get_or_init(|| RelativeTable::new(&**contact.law(), top)).as_ref()
+        });
         for (&x, (force, tangent)) in closures.iter().zip(forces.iter_mut().zip(tangents)) {
-            let found = contact.pressure_increment(x);
-            (*force, *tangent) = (area * found.value, area * found.tangent);
+            let tabulated = table.and_then(|table| table.get(x - first));
+            let (increment, slope) = if let Some(found) = tabulated {
+                (found.value - at_rest, found.tangent)
+            } else {
+                let found = contact.pressure_increment(x);
+                (found.value, found.tangent)
+            };
+            (*force, *tangent) = (area * increment, area * slope);
         }
     }
 

@@ -34,6 +34,9 @@ pub(crate) struct ContinuationProblem<'a> {
 /// Most unknowns of closures that matrices are factored for, where there is another way.
 const MOST_DIRECT: usize = 200;
 
+/// The same where the other way is not open.
+const MOST_FACTORED: usize = 2000;
+
 /// Springs over mean tangents, for free motions.
 const OFF_RESONANCE: f64 = 2.0;
 
@@ -50,8 +53,17 @@ impl<'a> ContinuationProblem<'a> {
         let resolution = (harmonics, samples);
         let free = matches!(continuation, Continuation::Mode { .. });
         let factor = if free { OFF_RESONANCE } else { 1.0 };
-        let many = is_iterative(system, harmonics);
-        let many = many.then(|| Balance::of_many(system, resolution, factor)).flatten();
+        let iterates = is_iterative(system, harmonics);
+        let many = iterates.then(|| Balance::of_many(system, resolution, factor)).flatten();
+        let equations = system.pairs() * (2 * harmonics + 1);
+        if iterates && many.is_none() && equations > MOST_FACTORED {
+            // Bounds of iterations do not bound the memory of matrices.
+            return Err(HarmonicError::Setting {
+                quantity: "number of contacts times (2 harmonics + 1), of residual flexibilities that are not positive definite,",
+                value: equations as f64,
+                accepted: "at most 2000",
+            });
+        }
         let balance = many.unwrap_or_else(|| Balance::new(system, harmonics, samples));
         Self::of(balance, continuation)
     }

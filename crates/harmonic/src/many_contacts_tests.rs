@@ -308,3 +308,39 @@ pub(crate) fn responses(block: &Block, force: f64, stability: Option<Floquet>) -
     let path = Continuation::Frequency { force, from: 0.85 * near, to: 1.05 * near };
     trace(&block.system(), &path, &settings).unwrap()
 }
+
+/// Residual flexibilities that no structure has, of negative energy on the springs: matrices take the place of iterations,
+/// up to 2000 unknowns.
+#[test]
+fn matrices_take_the_place_of_iterations_within_their_bound() {
+    const COUNT: usize = 12;
+    let law: Arc<dyn ContactLaw> = Arc::new(Power::new(4e9, 0.5, 0.0).unwrap());
+    let area = AREA / COUNT as f64;
+    let pressure = 1e5;
+    let spring = area * law.stiffness(pressure);
+    let negative = |i: usize, j: usize| if i == j && i < COUNT { -1.5 / spring } else { 0.0 };
+    let row = |i: usize| (0..=COUNT).map(|j| negative(i, j)).collect();
+    let rows: Vec<Vec<f64>> = (0..=COUNT).map(row).collect();
+    let modes = ComponentModes::new(
+        vec![NormalMode::rigid(vec![MASS.sqrt().recip(); COUNT + 1])],
+        ResidualFlexibility::from_rows(&rows).unwrap(),
+        (0..COUNT).map(PortPair::on_ground).collect(),
+        vec![],
+    )
+    .unwrap();
+    let contact = |i: usize| {
+        PreloadedContact::new(&format!("cell {i}"), area, Arc::clone(&law), pressure).unwrap()
+    };
+    let contacts: Vec<PreloadedContact> = (0..COUNT).map(contact).collect();
+    let linear = PreloadedStructure::of_components(modes, contacts, Damping::Rate(40.0)).unwrap();
+    let system = ContactSystem::of_structure(&linear, LawEvaluation::default()).unwrap();
+    let system = system.with_ports(SystemPort::Number(COUNT), &[]).unwrap();
+    assert!(system.is_modal() && Balance::of_many(&system, (10, 64), 1.0).is_none());
+    let problem = |harmonics: usize| {
+        let at = Continuation::Frequency { force: 1.0, from: 300.0, to: 400.0 };
+        ContinuationProblem::new(&system, at, harmonics, 4 * harmonics + 2).map(|_| ())
+    };
+    assert_eq!(problem(10), Ok(()));
+    let refused = problem(100).unwrap_err().to_string();
+    assert!(refused.contains("not positive definite") && refused.contains("2412"), "{refused}");
+}

@@ -156,6 +156,19 @@ impl ObservedQuantity {
         }
     }
 
+    /// True if the quantity is of a hit for which `is_named` is true.
+    pub(super) fn is_of_hit(&self, is_named: impl Fn(usize) -> bool) -> bool {
+        match *self {
+            Self::Feature { hit, .. }
+            | Self::Receptance { hit, .. }
+            | Self::Backbone { hit, .. } => is_named(hit),
+            Self::Ratio { hits: [above, below], .. } => is_named(above) || is_named(below),
+            Self::SteadyAmplitude { .. } | Self::SteadyPhase { .. } | Self::Stiffness { .. } => {
+                false
+            }
+        }
+    }
+
     /// Its derivative at fixed gains, from the derivatives of the results. The derivative of a backbone
     /// is the central difference of two backbones at the distance `backbones.0`.
     pub(super) fn derivative(

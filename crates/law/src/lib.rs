@@ -24,7 +24,7 @@
 //! | [`InSeries`] | 1 / (1/K + 1/`K_layer`) | as its law | no |
 //! | [`LawsInSeries`] | 1 / (sum of 1/K at each law's own pressure + c) | as the law lost first | if all laws are and c = 0 |
 //!
-//! [`CompiledLaw`] tabulates a law about a state for time stepping, [`fit_power`] fits a power
+//! [`CompiledLaw`] tabulates a law about a state for time stepping, [`RelativeTable`] next to its loss of contact, [`fit_power`] fits a power
 //! law to data, and [`stiffness_from_gaps`] derives points of a [`Tabulated`] law from pressures
 //! against gaps. [`ContactDamping`] adds viscous traction to a law, and [`Friction`]
 //! is a Jenkins element beside it. [`OverclosureTable`] is a law as straight segments for
@@ -73,6 +73,7 @@ mod pchip;
 mod persson;
 mod power;
 mod power_fit;
+mod relative_table;
 mod spliced;
 mod tabulated;
 
@@ -98,4 +99,5 @@ pub use overclosure::{BeyondTable, OverclosureRow, OverclosureTable, TableAccura
 pub use persson::{Persson, PerssonSpec};
 pub use power::{Power, PowerSpec};
 pub use power_fit::{PowerFit, PowerFitErrors, fit_power};
+pub use relative_table::RelativeTable;
 pub use tabulated::{TableSpec, Tabulated};

@@ -140,3 +140,41 @@ def test_a_saved_structure_finds_its_files(tmp_path: Path) -> None:
     found = asperity.Scenario(tmp_path / "lap.json").to_dict()
     names = [found["bodies"][0]["mesh"], *(found["bodies"][0]["matrices"][key] for key in ("stiffness", "mass"))]
     assert all((tmp_path / name).is_file() for name in names), names
+
+
+def test_a_law_is_identified_on_a_structure(tmp_path: Path) -> None:
+    """Hits under two weights: coefficient and exponent are found again."""
+    named = document(tmp_path)
+    named["laws"] = {"rough": LAW}
+    named["interfaces"][0]["law"] = "rough"
+    scenario = asperity.Scenario(named, folder=tmp_path)
+
+    def hits(gravity: float) -> dict[str, Any]:
+        weight = {"/gravity_m_per_s2/2": -gravity}
+        listed = []
+        for peak in (2.0, 10.0):
+            summary = scenario.with_({**weight, "/excitation/peak_n": peak}).simulate().summary
+            value = summary["fundamental"]["frequency_hz"]
+            number = {"value": value, "standard_deviation": 1e-4 * value}
+            listed.append(
+                {"force_peak_n": peak, "features": {"fundamental.frequency_hz": number}}
+            )
+        return {"kind": "hits", "name": f"{gravity} m/s2", "set": weight, "hits": listed}
+
+    problem = {
+        "unknowns": [
+            {"kind": "scalar", "pointer": "/laws/rough/coefficient", "bounds": [2e9, 2e11]},
+            {"kind": "scalar", "pointer": "/laws/rough/exponent", "bounds": [0.1, 0.9]},
+        ],
+        "data": [hits(GRAVITY), hits(3 * GRAVITY)],
+        "starts": 1,
+        "draws": 100,
+    }
+    found = scenario.identify(problem, fast=True)
+    for estimate, true in zip(found.estimates, (LAW["coefficient"], LAW["exponent"]), strict=True):
+        assert estimate["value"] == pytest.approx(true, rel=2e-2)
+    band = found.law_band
+    law = LAW["coefficient"] * band["pressure_pa"] ** LAW["exponent"]  # type: ignore[operator]
+    informed = band["informed"]
+    assert informed.any()
+    assert np.all((band["lower_pa_per_m"] < law)[informed] & (law < band["upper_pa_per_m"])[informed])

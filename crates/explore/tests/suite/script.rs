@@ -161,3 +161,29 @@ fn a_frame_has_the_same_page() {
     assert_ne!(seen["start"], seen["changed"]);
     assert_eq!(seen["pictures"], 3);
 }
+
+/// Contrast, names, keyboard and sizes as the Web Content Accessibility Guidelines 2.2 ask at level AA: in light and dark, at
+/// 1280 x 720 and on a tablet held either way.
+#[test]
+fn the_page_is_accessible() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = Page::new();
+    let Some((_browser, address)) = browser(&folder.path().join("profile")) else {
+        return skipped("Chromium");
+    };
+    let Some(seen) = driven("accessible.mjs", &[&address, &page.url()]) else {
+        return skipped("node");
+    };
+    for screen in seen["screens"].as_array().unwrap() {
+        let of = |what: &str| screen[what].as_array().unwrap().is_empty();
+        assert!(screen["texts"].as_u64().unwrap() > 50 && of("faint"), "{screen}");
+        assert!(screen["overflow"].as_f64().unwrap() <= 0.0, "{screen}");
+        // Fingers need larger places than pointers.
+        assert!(screen["touch"] == false || (screen["coarse"] == true && of("small")), "{screen}");
+    }
+    assert!(seen["named"].as_u64().unwrap() > 20, "{seen}");
+    for what in ["nameless", "unmarked", "missed"] {
+        assert_eq!(seen[what], serde_json::json!([]), "{what}");
+    }
+    assert!(seen["slid"] == true && seen["shown"] == "true", "{}", seen["shown"]);
+}

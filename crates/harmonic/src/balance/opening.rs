@@ -32,8 +32,8 @@ const NEWTON: usize = 4;
 /// the sum over equal t converges fast, because the integrand vanishes at both ends with the weight
 /// `L (1 - cos(2 pi t))`. A contact that hardly holds, with the closure `v + b th^2 / 2` beyond the closure of zero
 /// pressure at its minimum, has a force singular at `th = i sqrt(2 v / b)`: where that is near, a piece ends
-/// at the minimum, so that the sums change smoothly as the contact begins to open. The force there is that of the law
-/// itself: the tangent of a table is least exact next to the opening. Source: A. Sidi, "A new variable transformation for numerical integration",
+/// at the minimum, so that the sums change smoothly as the contact begins to open. The force there has a
+/// small relative error: the tangent of other tables is least exact next to the opening. Source: A. Sidi, "A new variable transformation for numerical integration",
 /// Numerical Integration IV (1993) 359-373.
 #[derive(Debug, Clone)]
 pub(super) struct Opening {
@@ -128,7 +128,8 @@ impl Opening {
             values.resize(count, 0.0);
         }
         self.fourier.synthesise(closure_series, &mut self.closures);
-        system.forces_of_law(interface, &self.closures, &mut self.forces, &mut self.tangents);
+        let found = (&mut self.forces[..], &mut self.tangents[..]);
+        system.forces_from_contact(interface, self.closure, &self.closures, found);
         let places = self.forces.iter_mut().zip(&mut self.tangents).zip(&self.weights);
         for ((force, tangent), weight) in places {
             *force = weight * (*force + self.at_rest);

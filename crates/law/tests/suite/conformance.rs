@@ -3,7 +3,7 @@
 //! Pressures are 1 Pa to 1e9 Pa. The properties are in `suite.rs`, the laws in `families.rs`: samples of the
 //! list of all kinds, and families of extreme parameters.
 
-mod families;
+pub(crate) mod families;
 mod suite;
 
 use std::collections::HashSet;

@@ -11,4 +11,5 @@ mod laws;
 mod laws_in_series;
 mod overclosure;
 mod reference;
+mod relative_table;
 mod rough_surfaces;

@@ -1,0 +1,155 @@
+//! A law tabulated to a relative error from its loss of contact on.
+
+use crate::contact_law::{ContactLaw, Pressure};
+
+/// Octaves of the closure below the top.
+const OCTAVES: u64 = 18;
+
+/// Binary digits of the number of cells of an octave: at first, and at most.
+const DIGITS: [u32; 3] = [4, 5, 6];
+
+/// Places in a cell at which it is compared with the law, and the largest relative errors of pressure and tangent.
+const CHECKS: [f64; 2] = [0.25, 0.5];
+const PRESSURE_ERROR: f64 = 1e-11;
+const TANGENT_ERROR: f64 = 1e-9;
+
+/// Part of the cells that may be left to the law before smaller ones are tried.
+const FEW: f64 = 0.1;
+
+/// The pressure of a law that separates, over the closure d from first contact, to a relative error of some 1e-11, and
+/// its tangent to 1e-9.
+///
+/// A power law starts as `d^(1/(1-m))`: no polynomial has small relative errors down to d = 0. Cells are
+/// therefore in proportion to the closure, so many in each octave of it, and in each the pressure is the quintic Hermite
+/// interpolant of pressures, tangents and their slopes `K dK/dp`, so that two derivatives are continuous. Integrals of the
+/// force next to an opening, and the Newton iterations that rest on them, then do not see the table.
+///
+/// Cells with a kink of the law, or that miss the errors above where they are compared with the law, are left out, as is
+/// the closure below 2^-18 of the top: there [`get`](Self::get) gives none, and the caller takes the law itself.
+///
+/// ```
+/// use asperity_law::{ContactLaw, Power, RelativeTable};
+///
+/// let law = Power::new(1.81e10, 0.35, 0.0)?;
+/// let table = RelativeTable::new(&law, 1e6).unwrap();
+/// let (exact, found) = (law.pressure(1e-9), table.get(1e-9).unwrap());
+/// assert!((found.value / exact.value - 1.0).abs() < 1e-11);
+/// assert!((found.tangent / exact.tangent - 1.0).abs() < 1e-9);
+/// # Ok::<(), asperity_law::LawError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct RelativeTable {
+    cells: Vec<Cell>,
+    /// Binary digits of a number that are below a cell.
+    shift: u32,
+    /// Cell of the lowest closure, counted from that of the number zero.
+    first: u64,
+}
+
+/// A cell: the quintic over 0 <= t < 1, and cells per closure \[1/m\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Cell {
+    cubic: [f64; 3],
+    rest: [f64; 3],
+    per_metre: f64,
+}
+
+impl Cell {
+    /// A cell that is left to the law.
+    const OPEN: Self = Self { cubic: [f64::NAN; 3], rest: [0.0; 3], per_metre: 0.0 };
+
+    /// The quintic with these pressures, tangents and slopes of the tangent, over a width \[m\].
+    fn hermite([a, b]: [&Node; 2], width: f64) -> Self {
+        let (m0, m1) = (a.tangent * width, b.tangent * width);
+        let (s0, s1) = (a.slope * width * width, b.slope * width * width);
+        let rise = b.pressure - a.pressure - m0 - 0.5 * s0;
+        let (turn, bend) = (m1 - m0 - s0, s1 - s0);
+        let c3 = 10.0 * rise - 4.0 * turn + 0.5 * bend;
+        let c4 = -15.0 * rise + 7.0 * turn - bend;
+        let c5 = 6.0 * rise - 3.0 * turn + 0.5 * bend;
+        Self { cubic: [a.pressure, m0, 0.5 * s0], rest: [c3, c4, c5], per_metre: width.recip() }
+    }
+
+    fn at(&self, t: f64) -> Pressure {
+        let [c0, c1, c2] = self.cubic;
+        let [c3, c4, c5] = self.rest;
+        let value = c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * c5))));
+        let slope = c1 + t * (2.0 * c2 + t * (3.0 * c3 + t * (4.0 * c4 + t * (5.0 * c5))));
+        Pressure { value, tangent: slope * self.per_metre }
+    }
+}
+
+/// The law at the edge of two cells.
+struct Node {
+    closure: f64,
+    pressure: f64,
+    tangent: f64,
+    /// dK/dd, `K dK/dp` \[Pa/m2\].
+    slope: f64,
+}
+
+impl RelativeTable {
+    /// The table of `law` up to the pressure `top` \[Pa\]; none for a law that does not separate, or whose closure there is
+    /// not finite and positive.
+    pub fn new(law: &dyn ContactLaw, top: f64) -> Option<Self> {
+        let lost = law.domain().closure_lost?;
+        let height = law.closure(top) - lost;
+        if !(height > 0.0 && height.is_finite()) {
+            return None;
+        }
+        let mut found = Self::with_digits(law, (lost, height), DIGITS[0]);
+        for digits in &DIGITS[1..] {
+            if found.left_out() <= FEW {
+                break;
+            }
+            found = Self::with_digits(law, (lost, height), *digits);
+        }
+        Some(found)
+    }
+
+    fn with_digits(law: &dyn ContactLaw, (lost, height): (f64, f64), digits: u32) -> Self {
+        let shift = f64::MANTISSA_DIGITS - 1 - digits;
+        let last = height.to_bits() >> shift;
+        let first = last.saturating_sub(OCTAVES << digits).max(1 << digits);
+        let kinks = law.kinks();
+        let node = |place: u64| {
+            let closure = f64::from_bits(place << shift);
+            let Pressure { value: pressure, tangent } = law.pressure(lost + closure);
+            let slope = tangent * law.stiffness_slope(pressure);
+            Node { closure, pressure, tangent, slope }
+        };
+        let nodes: Vec<Node> = (first..=last + 1).map(node).collect();
+        let cell = |pair: &[Node]| {
+            let [a, b] = [&pair[0], &pair[1]];
+            let width = b.closure - a.closure;
+            let cell = Cell::hermite([a, b], width);
+            let has_kink = kinks.iter().any(|kink| (a.pressure..=b.pressure).contains(kink));
+            let is_close = |t: &f64| {
+                let (exact, found) = (law.pressure(lost + a.closure + t * width), cell.at(*t));
+                (found.value - exact.value).abs() <= PRESSURE_ERROR * exact.value
+                    && (found.tangent - exact.tangent).abs() <= TANGENT_ERROR * exact.tangent
+            };
+            if !has_kink && CHECKS.iter().all(is_close) { cell } else { Cell::OPEN }
+        };
+        let cells = nodes.windows(2).map(cell).collect();
+        Self { cells, shift, first }
+    }
+
+    /// Pressure \[Pa\] and tangent \[Pa/m\] at the closure d \[m\] from first contact; none where the law itself is to be
+    /// taken.
+    pub fn get(&self, closure: f64) -> Option<Pressure> {
+        let bits = closure.to_bits();
+        // Negative numbers have higher places than all others.
+        let place = (bits >> self.shift).checked_sub(self.first)?;
+        let cell = self.cells.get(usize::try_from(place).ok()?)?;
+        let within = bits & ((1 << self.shift) - 1);
+        let t = within as f64 / (1_u64 << self.shift) as f64;
+        (!cell.cubic[0].is_nan()).then(|| cell.at(t))
+    }
+
+    /// Part of the closures of the table, on a logarithmic scale, that are left to the law.
+    pub fn left_out(&self) -> f64 {
+        let left_out = self.cells.iter().filter(|cell| cell.cubic[0].is_nan()).count();
+        left_out as f64 / self.cells.len() as f64
+    }
+}
