@@ -1,8 +1,8 @@
 //! A linear structure with its contacts.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
-use asperity_law::{CompiledLaw, Friction, RelativeTable};
+use asperity_law::{CompiledLaw, Friction, Pressure, RelativeTable};
 use asperity_structure::{Guide, PreloadedContact, PreloadedStructure};
 
 use crate::{HarmonicError, LinearSystem, SystemPort};
@@ -12,8 +12,9 @@ use crate::{HarmonicError, LinearSystem, SystemPort};
 pub enum LawEvaluation {
     /// By the law itself.
     Exact,
-    /// By a table of cubics with this error, relative to the static pressure, and by the law
-    /// itself outside the table. Several times faster; amplitudes are off by about the tolerance.
+    /// By a table, and by the law itself outside it, which is several times faster: of a law that separates with a
+    /// relative error of some 1e-11, of another with this error over the static pressure; amplitudes are off by about as
+    /// much.
     Tabulated(f64),
 }
 
@@ -59,9 +60,7 @@ const TABLE_TOP: f64 = 12.0;
 pub struct ContactSystem {
     linear: Arc<dyn LinearSystem>,
     contacts: Vec<PreloadedContact>,
-    tables: Vec<Option<CompiledLaw>>,
-    /// Tables from first contact on, made where a contact opens; none without tables.
-    from_contact: Vec<OnceLock<Option<RelativeTable>>>,
+    tables: Vec<Option<LawTable>>,
     /// The load, and after it the sensors.
     ports: Vec<SystemPort>,
 }
@@ -85,13 +84,9 @@ impl ContactSystem {
             });
         }
         let tables = contacts.iter().map(|contact| table(contact, evaluation));
-        let tables = tables.collect::<Result<Vec<_>, _>>()?;
-        let from_contact = match evaluation {
-            LawEvaluation::Exact => Vec::new(),
-            LawEvaluation::Tabulated(_) => vec![OnceLock::new(); contacts.len()],
-        };
+        let tables = tables.collect::<Result<_, _>>()?;
         let ports = vec![linear.default_port(); 2];
-        Ok(Self { linear, contacts, tables, from_contact, ports })
+        Ok(Self { linear, contacts, tables, ports })
     }
 
     /// The system with its load and its sensors at other ports.
@@ -247,51 +242,11 @@ impl ContactSystem {
     ) {
         let contact = &self.contacts[interface];
         let area = contact.area();
-        let Some(table) = &self.tables[interface] else {
-            for (&x, (force, tangent)) in closures.iter().zip(forces.iter_mut().zip(tangents)) {
-                let found = contact.pressure_increment(x);
-                (*force, *tangent) = (area * found.value, area * found.tangent);
-            }
-            return;
-        };
+        let table = self.tables[interface].as_ref();
         for (&x, (force, tangent)) in closures.iter().zip(forces.iter_mut().zip(tangents)) {
-            let (mut value, mut slope) = table.get_with_tangent(x);
-            if value.is_nan() {
-                let found = contact.pressure_increment(x);
-                (value, slope) = (found.value, found.tangent);
-            }
-            (*force, *tangent) = (area * value, area * slope);
-        }
-    }
-
-    /// The [`forces`](Self::forces) to the relative accuracy of a [`RelativeTable`], at closures that count from rest as
-    /// `first` does, the one of first contact \[m\].
-    ///
-    /// Next to an opening a table to an absolute error has tangents of no digits.
-    pub(crate) fn forces_from_contact(
-        &self,
-        interface: usize,
-        first: f64,
-        closures: &[f64],
-        (forces, tangents): (&mut [f64], &mut [f64]),
-    ) {
-        let contact = &self.contacts[interface];
-        let (area, at_rest) = (contact.area(), contact.pressure());
-        let table = self.from_contact.get(interface).and_then(|table| {
-            // Open contacts have no pressure at rest: the table then ends where others do.
-            let highest = self.contacts.iter().map(PreloadedContact::pressure).fold(0.0, f64::max);
-            let top = TABLE_TOP * if at_rest > 0.0 { at_rest } else { highest };
-            table.get_or_init(|| RelativeTable::new(&**contact.law(), top)).as_ref()
-        });
-        for (&x, (force, tangent)) in closures.iter().zip(forces.iter_mut().zip(tangents)) {
-            let tabulated = table.and_then(|table| table.get(x - first));
-            let (increment, slope) = if let Some(found) = tabulated {
-                (found.value - at_rest, found.tangent)
-            } else {
-                let found = contact.pressure_increment(x);
-                (found.value, found.tangent)
-            };
-            (*force, *tangent) = (area * increment, area * slope);
+            let tabulated = table.and_then(|table| table.get(x));
+            let found = tabulated.unwrap_or_else(|| contact.pressure_increment(x));
+            (*force, *tangent) = (area * found.value, area * found.tangent);
         }
     }
 
@@ -299,11 +254,48 @@ impl ContactSystem {
     pub(crate) fn tangents(&self, interface: usize, closures: &[f64], tangents: &mut [f64]) {
         let contact = &self.contacts[interface];
         let area = contact.area();
-        let exact = |x: f64| contact.pressure_increment(x).tangent;
         let table = self.tables[interface].as_ref();
         for (&x, tangent) in closures.iter().zip(tangents) {
-            let tabulated = table.map_or(f64::NAN, |table| table.tangent(x));
-            *tangent = area * if tabulated.is_nan() { exact(x) } else { tabulated };
+            let tabulated = table.and_then(|table| table.get(x));
+            let found = tabulated.unwrap_or_else(|| contact.pressure_increment(x));
+            *tangent = area * found.tangent;
+        }
+    }
+}
+
+/// A contact's law in a table: pressure increments and tangents over closure increments from rest.
+#[derive(Debug, Clone)]
+enum LawTable {
+    /// Of a law that separates, to a relative error: tangents of a table to an absolute one have no digits next to an
+    /// opening.
+    FromContact {
+        table: RelativeTable,
+        /// Closure increment of first contact \[m\].
+        first: f64,
+        /// Pressure at rest \[Pa\], of the table and of the law: the increment at rest is exactly zero.
+        at_rest: [f64; 2],
+    },
+    /// Of another law.
+    FromRest(CompiledLaw),
+}
+
+impl LawTable {
+    /// Pressure increment and tangent; none outside the table.
+    #[inline]
+    fn get(&self, x: f64) -> Option<Pressure> {
+        match self {
+            Self::FromContact { table, first, at_rest } => {
+                let closure = x - first;
+                if closure < 0.0 {
+                    return Some(Pressure::lost_from(at_rest[1]));
+                }
+                let found = table.get(closure)?;
+                Some(Pressure { value: found.value - at_rest[0], ..found })
+            }
+            Self::FromRest(table) => {
+                let (value, tangent) = table.get_with_tangent(x);
+                (!value.is_nan()).then_some(Pressure { value, tangent })
+            }
         }
     }
 }
@@ -312,7 +304,7 @@ impl ContactSystem {
 fn table(
     contact: &PreloadedContact,
     evaluation: LawEvaluation,
-) -> Result<Option<CompiledLaw>, HarmonicError> {
+) -> Result<Option<LawTable>, HarmonicError> {
     let (stiffness, pressure) = (contact.stiffness(), contact.pressure());
     let interface = || contact.name().to_owned();
     if stiffness <= 0.0 && contact.gap() == 0.0 {
@@ -322,12 +314,18 @@ fn table(
             stiffness_pa_per_m: stiffness,
         });
     }
-    match evaluation {
-        LawEvaluation::Tabulated(tolerance) if pressure > 0.0 => {
-            let table = CompiledLaw::new(contact.law(), pressure, TABLE_TOP * pressure, tolerance);
-            let named = |source| HarmonicError::Law { interface: interface(), source };
-            Ok(Some(table.map_err(named)?))
-        }
-        LawEvaluation::Exact | LawEvaluation::Tabulated(_) => Ok(None),
+    let LawEvaluation::Tabulated(tolerance) = evaluation else { return Ok(None) };
+    crate::error::positive("tolerance of tables of laws", tolerance)?;
+    let (law, top) = (contact.law(), TABLE_TOP * pressure);
+    if pressure <= 0.0 {
+        return Ok(None);
     }
+    if let Some(table) = RelativeTable::new(&**law, top) {
+        let first = law.closure(0.0) - contact.closure();
+        let own = table.get(0.0 - first).map_or(pressure, |found| found.value);
+        return Ok(Some(LawTable::FromContact { table, first, at_rest: [own, pressure] }));
+    }
+    let table = CompiledLaw::new(law, pressure, top, tolerance);
+    let named = |source| HarmonicError::Law { interface: interface(), source };
+    Ok(Some(LawTable::FromRest(table.map_err(named)?)))
 }

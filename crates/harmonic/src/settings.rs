@@ -96,7 +96,8 @@ pub struct HarmonicSettings {
     pub steps: StepControl,
     /// Stability analysis at every point of a driven branch, if any. Modes of free motion have none.
     pub stability: Option<Floquet>,
-    /// Ends the branch at its first response that loses contact, without stability.
+    /// Ends the branch at its first response that loses contact, without stability. With automatic [`FourierResolution`] that
+    /// response may have 12 harmonics, whatever its truncation.
     pub until_contact_lost: bool,
 }
 

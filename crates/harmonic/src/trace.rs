@@ -20,6 +20,9 @@ const LOW_FORCE: f64 = 1e-3;
 const FIRST_HARMONICS: usize = 5;
 const SAMPLES_PER_HARMONIC: usize = 16;
 
+/// Harmonics that find the place where contact is lost.
+const SEARCH_HARMONICS: usize = 12;
+
 /// Most points times unknowns of a branch whose harmonics are chosen, ten seconds to some minutes, and of a branch
 /// with fewer that takes the place of one beyond it.
 const MOST_WORK: usize = 2_000_000;
@@ -34,8 +37,8 @@ const MANY_POINTS: usize = 1000;
 /// Traces the branch of periodic responses that `continuation` describes.
 ///
 /// A failure after the start ends the branch, which is kept with its [`Termination`]. With automatic
-/// [`FourierResolution`] the branch is traced again with half as many harmonics more until its
-/// truncation is below the tolerance. Where a branch over frequency with the most harmonics does not converge, or has more
+/// [`FourierResolution`] the branch is traced again with half as many harmonics more, with one and a half times as many more
+/// where contact is lost, until its truncation is below the tolerance. Where a branch over frequency with the most harmonics does not converge, or has more
 /// than 2 000 000 points times unknowns, the one with the most of two thirds, four ninths ... as many that covers the
 /// range takes its place, and [`Branch::finer`] tells where the other ended.
 ///
@@ -106,7 +109,22 @@ pub fn trace_with_progress(
                 if fine || harmonics == most {
                     break found?;
                 }
-                harmonics = (harmonics + harmonics.div_ceil(2)).min(most);
+                if settings.until_contact_lost && harmonics == FIRST_HARMONICS {
+                    // The place of a loss of contact needs fewer harmonics than the motion there.
+                    let search = at(SEARCH_HARMONICS.min(most), f64::INFINITY, MOST_WORK);
+                    if let Ok(search) = search
+                        && search.branch().termination == Termination::ContactLost
+                    {
+                        break search;
+                    }
+                }
+                // Series of a force that vanishes within the period converge slowly.
+                let is_lost = |found: &Followed<'_>| {
+                    found.branch().points.last().is_some_and(PeriodicResponse::contact_lost)
+                };
+                let lost = found.as_ref().is_ok_and(is_lost);
+                let more = if lost { 3 * harmonics / 2 } else { harmonics.div_ceil(2) };
+                harmonics = (harmonics + more).min(most);
             };
             let over_frequency = matches!(continuation, Continuation::Frequency { .. });
             while over_frequency && finest.is_unfinished() && harmonics > FIRST_HARMONICS {

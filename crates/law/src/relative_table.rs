@@ -24,8 +24,9 @@ const FEW: f64 = 0.1;
 /// interpolant of pressures, tangents and their slopes `K dK/dp`, so that two derivatives are continuous. Integrals of the
 /// force next to an opening, and the Newton iterations that rest on them, then do not see the table.
 ///
-/// Cells with a kink of the law, or that miss the errors above where they are compared with the law, are left out, as is
-/// the closure below 2^-18 of the top: there [`get`](Self::get) gives none, and the caller takes the law itself.
+/// A cell with kinks of the law has a quintic between each two of them. Quintics that miss the errors above where they are
+/// compared with the law are left out, as is the closure below 2^-18 of the top: there [`get`](Self::get) gives none, and
+/// the caller takes the law itself.
 ///
 /// ```
 /// use asperity_law::{ContactLaw, Power, RelativeTable};
@@ -40,6 +41,8 @@ const FEW: f64 = 0.1;
 #[derive(Debug, Clone, PartialEq)]
 pub struct RelativeTable {
     cells: Vec<Cell>,
+    /// Cells with kinks: the quintics between them, from below, each with the closure \[m\] where it begins.
+    kinked: Vec<Vec<(f64, Cell)>>,
     /// Binary digits of a number that are below a cell.
     shift: u32,
     /// Cell of the lowest closure, counted from that of the number zero.
@@ -56,7 +59,21 @@ struct Cell {
 
 impl Cell {
     /// A cell that is left to the law.
-    const OPEN: Self = Self { cubic: [f64::NAN; 3], rest: [0.0; 3], per_metre: 0.0 };
+    const LEFT_OUT: Self = Self { cubic: [f64::NAN; 3], rest: [f64::NAN; 3], per_metre: 0.0 };
+
+    /// A cell with kinks, by its number among those.
+    fn kinked(number: usize) -> Self {
+        Self { rest: [number as f64, 0.0, 0.0], ..Self::LEFT_OUT }
+    }
+
+    /// Its number among the cells with kinks.
+    fn kinks(&self) -> Option<usize> {
+        (self.rest[0] >= 0.0 && self.cubic[0].is_nan()).then_some(self.rest[0] as usize)
+    }
+
+    fn is_left_out(&self) -> bool {
+        self.cubic[0].is_nan() && self.rest[0].is_nan()
+    }
 
     /// The quintic with these pressures, tangents and slopes of the tangent, over a width \[m\].
     fn hermite([a, b]: [&Node; 2], width: f64) -> Self {
@@ -88,6 +105,23 @@ struct Node {
     slope: f64,
 }
 
+impl Node {
+    /// The law at a closure from first contact \[m\].
+    fn at(law: &dyn ContactLaw, lost: f64, closure: f64) -> Self {
+        let Pressure { value: pressure, tangent } = law.pressure(lost + closure);
+        Self { closure, pressure, tangent, slope: tangent * law.stiffness_slope(pressure) }
+    }
+
+    /// The law below and above a kink at a pressure \[Pa\].
+    fn at_kink(law: &dyn ContactLaw, lost: f64, pressure: f64) -> [Self; 2] {
+        let closure = law.closure(pressure) - lost;
+        [pressure.next_down().next_down(), pressure].map(|side| {
+            let tangent = law.stiffness(side);
+            Self { closure, pressure, tangent, slope: tangent * law.stiffness_slope(side) }
+        })
+    }
+}
+
 impl RelativeTable {
     /// The table of `law` up to the pressure `top` \[Pa\]; none for a law that does not separate, or whose closure there is
     /// not finite and positive.
@@ -111,28 +145,37 @@ impl RelativeTable {
         let shift = f64::MANTISSA_DIGITS - 1 - digits;
         let last = height.to_bits() >> shift;
         let first = last.saturating_sub(OCTAVES << digits).max(1 << digits);
-        let kinks = law.kinks();
-        let node = |place: u64| {
-            let closure = f64::from_bits(place << shift);
-            let Pressure { value: pressure, tangent } = law.pressure(lost + closure);
-            let slope = tangent * law.stiffness_slope(pressure);
-            Node { closure, pressure, tangent, slope }
-        };
+        let node = |place: u64| Node::at(law, lost, f64::from_bits(place << shift));
         let nodes: Vec<Node> = (first..=last + 1).map(node).collect();
-        let cell = |pair: &[Node]| {
-            let [a, b] = [&pair[0], &pair[1]];
+        let mut kinked: Vec<Vec<(f64, Cell)>> = Vec::new();
+        let kinks: Vec<[Node; 2]> =
+            law.kinks().into_iter().map(|pressure| Node::at_kink(law, lost, pressure)).collect();
+        let quintic = |[a, b]: [&Node; 2]| {
             let width = b.closure - a.closure;
             let cell = Cell::hermite([a, b], width);
-            let has_kink = kinks.iter().any(|kink| (a.pressure..=b.pressure).contains(kink));
             let is_close = |t: &f64| {
                 let (exact, found) = (law.pressure(lost + a.closure + t * width), cell.at(*t));
                 (found.value - exact.value).abs() <= PRESSURE_ERROR * exact.value
                     && (found.tangent - exact.tangent).abs() <= TANGENT_ERROR * exact.tangent
             };
-            if !has_kink && CHECKS.iter().all(is_close) { cell } else { Cell::OPEN }
+            if CHECKS.iter().all(is_close) { cell } else { Cell::LEFT_OUT }
         };
-        let cells = nodes.windows(2).map(cell).collect();
-        Self { cells, shift, first }
+        let mut cells = Vec::with_capacity(nodes.len());
+        for pair in nodes.windows(2) {
+            let [a, b] = [&pair[0], &pair[1]];
+            let inside = |kink: &&[Node; 2]| a.closure < kink[0].closure && kink[0].closure < b.closure;
+            let own: Vec<&[Node; 2]> = kinks.iter().filter(inside).collect();
+            if own.is_empty() {
+                cells.push(quintic([a, b]));
+                continue;
+            }
+            let starts = std::iter::once(a).chain(own.iter().map(|kink| &kink[1]));
+            let ends = own.iter().map(|kink| &kink[0]).chain([b]);
+            let pieces = starts.zip(ends).map(|(from, to)| (from.closure, quintic([from, to])));
+            cells.push(Cell::kinked(kinked.len()));
+            kinked.push(pieces.collect());
+        }
+        Self { cells, kinked, shift, first }
     }
 
     /// Pressure \[Pa\] and tangent \[Pa/m\] at the closure d \[m\] from first contact; none where the law itself is to be
@@ -142,14 +185,25 @@ impl RelativeTable {
         // Negative numbers have higher places than all others.
         let place = (bits >> self.shift).checked_sub(self.first)?;
         let cell = self.cells.get(usize::try_from(place).ok()?)?;
+        if cell.cubic[0].is_nan() {
+            return self.between_kinks(cell, closure);
+        }
         let within = bits & ((1 << self.shift) - 1);
-        let t = within as f64 / (1_u64 << self.shift) as f64;
-        (!cell.cubic[0].is_nan()).then(|| cell.at(t))
+        Some(cell.at(within as f64 / (1_u64 << self.shift) as f64))
     }
 
-    /// Part of the closures of the table, on a logarithmic scale, that are left to the law.
+    fn between_kinks(&self, cell: &Cell, closure: f64) -> Option<Pressure> {
+        let pieces = self.kinked.get(cell.kinks()?)?;
+        let &(from, piece) = pieces.iter().rev().find(|(from, _)| *from <= closure)?;
+        (!piece.is_left_out()).then(|| piece.at((closure - from) * piece.per_metre))
+    }
+
+    /// Part of the cells that are left to the law, in whole or in part.
     pub fn left_out(&self) -> f64 {
-        let left_out = self.cells.iter().filter(|cell| cell.cubic[0].is_nan()).count();
-        left_out as f64 / self.cells.len() as f64
+        let is_left_out = |cell: &&Cell| match cell.kinks() {
+            Some(number) => self.kinked[number].iter().any(|(_, piece)| piece.is_left_out()),
+            None => cell.is_left_out(),
+        };
+        self.cells.iter().filter(is_left_out).count() as f64 / self.cells.len() as f64
     }
 }

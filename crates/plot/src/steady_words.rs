@@ -105,7 +105,7 @@ fn condensed(branch: &BranchSummary) -> Option<String> {
         bodies.map(|body| format!("{} ({:.4e} Hz)", body.name, body.frequency_hz)).collect();
     let reason = match reason {
         CondensationReason::ContactLost { from_hz } => {
-            format!(", as contact is lost from {from_hz:.3} Hz on with it")
+            format!(", as contact is lost from about {from_hz:.0} Hz on with it")
         }
         _ => String::new(),
     };

@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 use asperity_scenario::Document;
 use asperity_simulation::patches::{assemble_patches, patch_modes, simulate_patches};
+use asperity_structure::PreloadedContact;
 use bricks::Bricks;
 use serde_json::Value;
 
@@ -41,7 +42,7 @@ const REDUCED: &str = r#"{"schema": "asperity/scenario/1",
  "duration_s": 0.02}"#;
 
 const WHOLE: &str = r#"{"schema": "asperity/scenario/1",
- "bodies": [{"name": "beam", "mesh": "brake_reuss.inp.gz", "reduction": {"modes": 40},
+ "bodies": [{"name": "beam", "mesh": "brake_reuss.inp.gz", "reduction": {"modes": 80},
              "matrices": {"format": "calculix", "stiffness": "beam.sti", "mass": "beam.mas", "rows": "beam.dof"}}],
  "loads": [{"body": "beam", "file": "loads.csv"}],
  "interfaces": [{"name": "lap", "body": "beam", "cells": "cells.csv", "law": LAW}],
@@ -111,7 +112,7 @@ fn the_reduced_beam_vibrates_as_by_the_reference() {
 }
 
 /// The beam with all of its 19,326 rows, whose matrices are made here from its deck: traces, pressures of all cells and
-/// modes of the reference, which has the matrices of CalculiX.
+/// modes of the reference, which has the matrices of CalculiX. Of the modes that are left out of 80 the eighth and ninth frequencies take 3e-6.
 #[test]
 fn the_whole_beam_rests_and_vibrates_as_by_the_reference() {
     let Some(data) = data("the_whole_beam_rests_and_vibrates_as_by_the_reference") else { return };
@@ -128,16 +129,15 @@ fn the_whole_beam_rests_and_vibrates_as_by_the_reference() {
     assert!(largest_off(&traces, &expected) < 1e-10, "{traces:?}");
     for (law, expected) in [(LINEAR, &reference.linear), (POWER, &reference.power)] {
         let off = largest_off(&elastic(WHOLE, law, folder.path()), expected);
-        eprintln!("{law}: {off:e}");
         assert!(off < 5e-6, "{law}: {off}");
     }
     let document =
         Document::parse(&WHOLE.replace("LAW", POWER), folder.path().join("beam.json")).unwrap();
     let assembly =
         assemble_patches(&document.structure_scenario().unwrap(), document.folder()).unwrap();
+    let contacts = assembly.structure.structure.contacts();
     let found: Vec<f64> =
-        assembly.structure.contacts().iter().map(|contact| contact.pressure()).collect();
+        contacts.iter().map(PreloadedContact::pressure).collect();
     let off = largest_off(&found, &reference.pressures);
-    eprintln!("pressures: {off:e}");
     assert!(off < 1e-6, "{off}");
 }

@@ -254,6 +254,8 @@ class Card {
     this.handles?.remove();
     this.handles = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     this.handles.setAttribute("class", "handles");
+    this.handles.setAttribute("role", "group");
+    this.handles.setAttribute("aria-label", "Points of the laws");
     this.handles.setAttribute("viewBox", drawn.getAttribute("viewBox"));
     this.frame.append(this.handles);
     const [left, top, right, bottom] = panel.frame;

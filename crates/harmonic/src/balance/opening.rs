@@ -128,8 +128,7 @@ impl Opening {
             values.resize(count, 0.0);
         }
         self.fourier.synthesise(closure_series, &mut self.closures);
-        let found = (&mut self.forces[..], &mut self.tangents[..]);
-        system.forces_from_contact(interface, self.closure, &self.closures, found);
+        system.forces(interface, &self.closures, &mut self.forces, &mut self.tangents);
         let places = self.forces.iter_mut().zip(&mut self.tangents).zip(&self.weights);
         for ((force, tangent), weight) in places {
             *force = weight * (*force + self.at_rest);

@@ -135,5 +135,5 @@ fn systems_that_do_not_fit_are_errors() {
     let error = on(vec![at(0.0)], LawEvaluation::Exact).unwrap_err();
     assert!(matches!(error, HarmonicError::NoStiffness { .. }));
     let error = on(vec![at(PRESSURE)], LawEvaluation::Tabulated(f64::NAN)).unwrap_err();
-    assert!(matches!(error, HarmonicError::Law { .. }));
+    assert!(matches!(error, HarmonicError::Setting { .. }));
 }
