@@ -4,33 +4,29 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_inference::{
-    Agreement, Covariance, Fit, FitOptions, FitSolution, ForwardModel, GoodnessOfFit,
-    Identifiability, InferenceError, Linearisation, ModelComparison, NoiseScale, Observation,
-    Parameter, Posterior, PosteriorDiagnostics, Profile, ProgressCallback, ScaledNoise, Strain,
-    StrainKind, fit_with_progress, refit_with_progress,
+    Covariance, FitSolution, ForwardModel, GoodnessOfFit, Identifiability, Linearisation,
+    ModelComparison, Observation, Parameter, Posterior, PosteriorDiagnostics, Profile,
+    ProgressCallback, ScaledNoise, Strain,
 };
 
 use crate::built_model::{BuiltModel, ObservationLabel};
-use crate::correlation::correlation_factor;
 use crate::design::{DesignModel, DesignRanking};
 use crate::error::IdentificationError;
 use crate::explanations::{Explanation, Unexplained};
 use crate::given_numbers::{GivenNumber, GivenNumbers, RigidSupport};
-use crate::hit_numerics::{FeatureErrors, HitNumerics, numerics_at};
+use crate::hit_numerics::{FeatureErrors, HitNumerics};
 use crate::identification_problem::IdentificationProblem;
-use crate::incomplete::IncompleteIdentification;
-use crate::latent_sampling::{FreeLawFindings, posterior_of, profiles};
+use crate::incomplete::Unfinished;
+use crate::latent_sampling::FreeLawFindings;
 use crate::law_band::{ComparedForm, LawBand, StiffnessEstimate, check_pressures};
 use crate::law_comparison::{Compared, candidates, compare_laws};
 use crate::observed_quantity::ObservedQuantity;
-use crate::problem::{NoiseSpec, ParameterSpec};
+use crate::problem::ParameterSpec;
+use crate::sampled_fit::{SampledFit, sampled_fit};
 use crate::scenario_model::ScenarioModel;
-use crate::work::{Work, WorkStage, expected_evaluations, expected_of_explanations};
+use crate::work::{Work, WorkStage};
 use asperity_scenario::Laws;
 use asperity_simulation::provenance::InputFile;
-
-/// Relative reduction of the cost at which a fit with latents has converged: an error of a thousandth in chi-square is far below its spread.
-const LATENT_TOLERANCE: f64 = 1e-4;
 
 /// A finished identification.
 #[derive(Debug)]
@@ -154,39 +150,13 @@ pub fn identify_with_progress(
 
     let work = Arc::clone(&problem.work);
     let unfinished = Unfinished::begin(problem, &forward, &law_name, started);
-    let own = own_fit(problem, &mut forward, &unfinished, progress)?;
-    let given = Fit::resumed(&forward, own.clone(), progress)?;
-    let goodness = goodness_of(problem, &given);
-    let factor = noise_factor(spec.noise, &goodness, (&forward, &about), &own.residuals);
-    // All results below belong to the model with scaled standard deviations.
-    let model = ScaledNoise::new(&forward, factor);
-    let best = if factor > 1.0 { refit_with_progress(&model, &own, progress) } else { Ok(given) };
-    if best.is_err() && work.is_stopped() {
-        let laws = forward.laws(&own.point)?;
-        return Err(unfinished.stopped(WorkStage::Fit, own, None, Vec::new(), laws));
-    }
-    let best = best?;
-    let (hits, feature_errors) = numerics_at(&forward, &best.point)?;
+    let found = sampled_fit(problem, (&mut forward, &about), &unfinished, progress)?;
+    let SampledFit { own, best, factor, goodness, hits, feature_errors, .. } = found;
+    let SampledFit { linearisation, covariance, strains, laws, profiles, sampled, .. } = found;
     notices.extend(HitNumerics::notices(&hits));
-    work.begin(WorkStage::Profiles);
-    let linearisation = best.linearise()?;
-    let covariance = linearisation.covariance(NoiseScale::Given)?;
-    let strains = strains_as_given(&linearisation, &best, factor)?;
-    let laws = forward.laws(&best.point)?;
-    let profiles = profiles(problem, &forward, &best, &covariance)?;
-    if work.is_stopped() {
-        let (fit, covariance) = (best.into_solution(), Some(covariance));
-        return Err(unfinished.stopped(WorkStage::Profiles, fit, covariance, Vec::new(), laws));
-    }
-    work.begin(WorkStage::Posterior);
-    let sampled =
-        posterior_of(problem, &forward, &best, (&linearisation, &covariance, &profiles), factor);
-    if work.is_stopped() {
-        let (fit, covariance) = (best.into_solution(), Some(covariance));
-        return Err(unfinished.stopped(WorkStage::Posterior, fit, covariance, profiles, laws));
-    }
+    let observations = ScaledNoise::new(&forward, factor).observations().to_vec();
     let linear = (&linearisation, &covariance);
-    let drawn = Drawn::new(problem, &forward, linear, (&best, model.observations()), sampled)?;
+    let drawn = Drawn::new(problem, &forward, linear, (&best, &observations), sampled)?;
 
     work.begin(WorkStage::Comparison);
     let compared = compare_laws(problem, (&forward, own), &drawn.law, candidates, progress);
@@ -198,7 +168,7 @@ pub fn identify_with_progress(
         forward: &forward,
         linear,
         given: &drawn.given,
-        observations: model.observations(),
+        observations: &observations,
         best: &best,
         factor,
         goodness: &goodness,
@@ -225,9 +195,9 @@ pub fn identify_with_progress(
         in_steps: each(&|parameter| forward.parameters.is_of_monotone_law(parameter)),
         stiffnesses: drawn.stiffnesses,
         laws,
-        observations: model.observations().to_vec(),
+        observations: observations.clone(),
         identifiability: linearisation.identifiability()?,
-        fit: best.into_solution(),
+        fit: best,
         linearisation,
         covariance,
         goodness,
@@ -259,48 +229,6 @@ fn ranked(
 ) -> Result<Option<DesignRanking>, IdentificationError> {
     let planned = planned.filter(|_| !work.is_stopped());
     planned.map(|mut plan| plan.rank(law, point, covariance, factor)).transpose()
-}
-
-/// The goodness of a fit; one that does not agree needs explanations.
-fn goodness_of(problem: &IdentificationProblem, given: &Fit<'_>) -> GoodnessOfFit {
-    let goodness = given.goodness();
-    if goodness.agreement() == Agreement::None && !problem.is_fast {
-        let more = expected_of_explanations(given.point.len());
-        problem.work.expect(WorkStage::Comparison, more);
-    }
-    goodness
-}
-
-/// Factor of the standard deviations: of the size of the residuals, and, where the law does not agree, of their
-/// correlation: the errors of a law that agrees are independent.
-fn noise_factor(
-    noise: NoiseSpec,
-    goodness: &GoodnessOfFit,
-    (forward, about): (&ScenarioModel, &[ObservationLabel]),
-    residuals: &[f64],
-) -> f64 {
-    match noise {
-        NoiseSpec::Given => 1.0,
-        NoiseSpec::AtLeastGiven if goodness.agreement() == Agreement::Good => goodness.noise_factor,
-        NoiseSpec::AtLeastGiven => {
-            let correlated = correlation_factor(&forward.quantities, about, residuals);
-            goodness.noise_factor * correlated.sqrt()
-        }
-    }
-}
-
-/// The strains with the standard deviations as given, which are scaled by a factor.
-fn strains_as_given(
-    linearisation: &Linearisation,
-    best: &FitSolution,
-    factor: f64,
-) -> Result<Vec<Strain>, InferenceError> {
-    let mut strains = linearisation.strains(best)?;
-    let of_bounds = |strain: &&mut Strain| matches!(strain.kind, StrainKind::Bound(_));
-    for strain in strains.iter_mut().filter(of_bounds) {
-        strain.deviations *= factor;
-    }
-    Ok(strains)
 }
 
 /// True if any parameter belongs to a law.
@@ -375,96 +303,3 @@ fn best_alone(best: &FitSolution) -> Posterior {
     }
 }
 
-/// The part of an incomplete identification that is known from the beginning.
-struct Unfinished {
-    parameters: Vec<Parameter>,
-    names: Vec<String>,
-    labels: Vec<String>,
-    law: String,
-    started: Instant,
-}
-
-impl Unfinished {
-    /// Begins the work of a problem.
-    fn begin(
-        problem: &IdentificationProblem,
-        forward: &ScenarioModel,
-        law: &str,
-        started: Instant,
-    ) -> Self {
-        let spec = &problem.spec;
-        let (parameters, compared) = (forward.parameters(), spec.compare.len() + 1);
-        let latents = parameters.iter().filter(|parameter| parameter.is_latent()).count();
-        let counts = [parameters.len(), latents];
-        let mut expected = expected_evaluations(counts, spec.starts, spec.draws, compared);
-        if problem.is_fast {
-            expected[WorkStage::Profiles as usize] = 0.0;
-            expected[WorkStage::Comparison as usize] = 0.0;
-        }
-        problem.work.plan(expected);
-        Self {
-            parameters: parameters.to_vec(),
-            names: parameters.iter().map(|parameter| parameter.name().to_owned()).collect(),
-            labels: forward.parameters.labels(&forward.scenario),
-            law: law.to_owned(),
-            started,
-        }
-    }
-
-    fn stopped(
-        &self,
-        stage: WorkStage,
-        fit: FitSolution,
-        covariance: Option<Covariance>,
-        profiles: Vec<Profile>,
-        laws: Laws,
-    ) -> IdentificationError {
-        let strains = Strain::of_priors(&self.parameters, &fit.point);
-        IdentificationError::Stopped(Box::new(IncompleteIdentification {
-            stage,
-            names: self.names.clone(),
-            labels: self.labels.clone(),
-            fit,
-            covariance,
-            profiles,
-            strains,
-            laws,
-            law: self.law.clone(),
-            wall_s: self.started.elapsed().as_secs_f64(),
-        }))
-    }
-}
-
-/// The fit with the standard deviations as given, at the step and the modes that it needs.
-fn own_fit(
-    problem: &IdentificationProblem,
-    forward: &mut ScenarioModel,
-    unfinished: &Unfinished,
-    progress: &ProgressCallback<'_>,
-) -> Result<FitSolution, IdentificationError> {
-    let work = &problem.work;
-    // Latents have one start, the scenario's law: their prior has one mode.
-    let free = forward.parameters.free.is_some();
-    let options = problem.fit_options(if free { 1 } else { problem.spec.starts });
-    let options =
-        if free { FitOptions { tolerance: LATENT_TOLERANCE, ..options } } else { options };
-    let mut given = match fit_with_progress(forward, &options, progress) {
-        Err(InferenceError::NoPredictions { .. }) if work.is_stopped() => {
-            return Err(IdentificationError::StoppedAtOnce);
-        }
-        found => found?.into_solution(),
-    };
-    // The best fit may need finer steps and more modes than the search.
-    if !work.is_stopped() && forward.hold(&forward.converged(&given.point)?) {
-        let before = given.clone();
-        given = match refit_with_progress(forward, &given, progress) {
-            Err(InferenceError::NoPredictions { .. }) if work.is_stopped() => before,
-            found => found?.into_solution(),
-        };
-    }
-    if work.is_stopped() {
-        let laws = forward.laws(&given.point)?;
-        return Err(unfinished.stopped(WorkStage::Fit, given, None, Vec::new(), laws));
-    }
-    Ok(given)
-}

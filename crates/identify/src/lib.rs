@@ -28,6 +28,7 @@
 //! | `law_band`, `law_comparison`, `design` | the law with its credible band; other laws; ranking of further measurements |
 //! | `given_numbers` | numbers of the scenario that no parameter changes, and their effect on the law |
 //! | `correlation` | correlation of residuals, which widens what rests on a misfit |
+//! | `sampled_fit` | fit, profiles and posterior, repeated from a draw of lower cost |
 //! | `explanations` | changes of the model that would explain the data better |
 //! | `checks` | agreement with the data, as a whole and in groups |
 //! | `judgement` | the use that the law allows, and the reasons |
@@ -78,6 +79,7 @@ pub mod problem;
 mod problem_parameters;
 mod records;
 mod report;
+mod sampled_fit;
 mod scenario_laws;
 mod scenario_model;
 mod starts;

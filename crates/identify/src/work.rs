@@ -107,9 +107,21 @@ impl Work {
         state.expected[stage as usize] += more;
     }
 
-    /// Begins a part; the evaluations of the part before are now known.
+    /// Expects all of the parts before the one under way again, and this one, as a part of this one.
+    pub(crate) fn repeat(&self) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let here = self.points.load(Ordering::Relaxed) as f64;
+        let stage = state.stage;
+        let before: f64 = state.expected[..stage].iter().sum();
+        state.expected[stage] = 2.0 * here + before;
+    }
+
+    /// Begins a part; the evaluations of the part before are now known. A part that is repeated belongs to the one under way.
     pub(crate) fn begin(&self, stage: WorkStage) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        if (stage as usize) < state.stage {
+            return;
+        }
         let here = self.points.swap(0, Ordering::Relaxed) as f64;
         let before = state.stage;
         state.expected[before] = here;

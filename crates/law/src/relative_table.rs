@@ -2,30 +2,30 @@
 
 use crate::contact_law::{ContactLaw, Pressure};
 
-/// Octaves of the closure below the top.
+/// Octaves of the closure below the octave of the top.
 const OCTAVES: u64 = 18;
 
-/// Binary digits of the number of cells of an octave: at first, and at most.
-const DIGITS: [u32; 3] = [4, 5, 6];
+/// Binary digits of the numbers of cells of an octave that are tried.
+const DIGITS: [u32; 5] = [4, 5, 6, 7, 8];
+
+/// Binary digits of the fraction of a number.
+const FRACTION: u32 = f64::MANTISSA_DIGITS - 1;
 
 /// Places in a cell at which it is compared with the law, and the largest relative errors of pressure and tangent.
 const CHECKS: [f64; 2] = [0.25, 0.5];
 const PRESSURE_ERROR: f64 = 1e-11;
 const TANGENT_ERROR: f64 = 1e-9;
 
-/// Part of the cells that may be left to the law before smaller ones are tried.
-const FEW: f64 = 0.1;
-
 /// The pressure of a law that separates, over the closure d from first contact, to a relative error of some 1e-11, and
 /// its tangent to 1e-9.
 ///
 /// A power law starts as `d^(1/(1-m))`: no polynomial has small relative errors down to d = 0. Cells are
-/// therefore in proportion to the closure, so many in each octave of it, and in each the pressure is the quintic Hermite
+/// therefore in proportion to the closure, 16 to 256 in each octave of it, and in each the pressure is the quintic Hermite
 /// interpolant of pressures, tangents and their slopes `K dK/dp`, so that two derivatives are continuous. Integrals of the
 /// force next to an opening, and the Newton iterations that rest on them, then do not see the table.
 ///
 /// A cell with kinks of the law has a quintic between each two of them. Quintics that miss the errors above where they are
-/// compared with the law are left out, as is the closure below 2^-18 of the top: there [`get`](Self::get) gives none, and
+/// compared with the law are left out, as is the closure below some 2^-18 of the top: there [`get`](Self::get) gives none, and
 /// the caller takes the law itself.
 ///
 /// ```
@@ -40,13 +40,20 @@ const FEW: f64 = 0.1;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct RelativeTable {
+    /// From below.
+    octaves: Vec<Octave>,
+    /// Exponent of the lowest octave, as in the bits of a number.
+    first: u64,
+}
+
+/// The closures of one binary exponent.
+#[derive(Debug, Clone, PartialEq)]
+struct Octave {
     cells: Vec<Cell>,
+    /// Binary digits of the fraction that are below a cell.
+    shift: u32,
     /// Cells with kinks: the quintics between them, from below, each with the closure \[m\] where it begins.
     kinked: Vec<Vec<(f64, Cell)>>,
-    /// Binary digits of a number that are below a cell.
-    shift: u32,
-    /// Cell of the lowest closure, counted from that of the number zero.
-    first: u64,
 }
 
 /// A cell: the quintic over 0 <= t < 1, and cells per closure \[1/m\].
@@ -112,6 +119,17 @@ impl Node {
         Self { closure, pressure, tangent, slope: tangent * law.stiffness_slope(pressure) }
     }
 
+    /// The law at a closure not far from here \[m\].
+    fn further(&self, law: &dyn ContactLaw, lost: f64, closure: f64) -> Self {
+        match law.pressure_step(self.pressure, closure - self.closure) {
+            Some(Pressure { value, tangent }) => {
+                let pressure = self.pressure + value;
+                Self { closure, pressure, tangent, slope: tangent * law.stiffness_slope(pressure) }
+            }
+            None => Self::at(law, lost, closure),
+        }
+    }
+
     /// The law below and above a kink at a pressure \[Pa\].
     fn at_kink(law: &dyn ContactLaw, lost: f64, pressure: f64) -> [Self; 2] {
         let closure = law.closure(pressure) - lost;
@@ -131,39 +149,89 @@ impl RelativeTable {
         if !(height > 0.0 && height.is_finite()) {
             return None;
         }
-        let mut found = Self::with_digits(law, (lost, height), DIGITS[0]);
-        for digits in &DIGITS[1..] {
-            if found.left_out() <= FEW {
-                break;
-            }
-            found = Self::with_digits(law, (lost, height), *digits);
-        }
-        Some(found)
-    }
-
-    fn with_digits(law: &dyn ContactLaw, (lost, height): (f64, f64), digits: u32) -> Self {
-        let shift = f64::MANTISSA_DIGITS - 1 - digits;
-        let last = height.to_bits() >> shift;
-        let first = last.saturating_sub(OCTAVES << digits).max(1 << digits);
-        let node = |place: u64| Node::at(law, lost, f64::from_bits(place << shift));
-        let nodes: Vec<Node> = (first..=last + 1).map(node).collect();
-        let mut kinked: Vec<Vec<(f64, Cell)>> = Vec::new();
+        let last = height.to_bits() >> FRACTION;
+        let first = last.saturating_sub(OCTAVES).max(1);
         let kinks: Vec<[Node; 2]> =
             law.kinks().into_iter().map(|pressure| Node::at_kink(law, lost, pressure)).collect();
+        let octave = |exponent: u64| Octave::new(law, (lost, exponent), &kinks, height);
+        Some(Self { octaves: (first..=last).map(octave).collect(), first })
+    }
+
+    /// Pressure \[Pa\] and tangent \[Pa/m\] at the closure d \[m\] from first contact; none where the law itself is to be
+    /// taken.
+    #[inline]
+    pub fn get(&self, closure: f64) -> Option<Pressure> {
+        let bits = closure.to_bits();
+        // Negative numbers have higher exponents than all others.
+        let octave = (bits >> FRACTION).checked_sub(self.first)?;
+        let octave = self.octaves.get(usize::try_from(octave).ok()?)?;
+        let fraction = bits & ((1 << FRACTION) - 1);
+        let cell = octave.cells.get((fraction >> octave.shift) as usize)?;
+        if cell.cubic[0].is_nan() {
+            return octave.between_kinks(cell, closure);
+        }
+        let within = fraction & ((1 << octave.shift) - 1);
+        Some(cell.at(within as f64 / (1_u64 << octave.shift) as f64))
+    }
+
+    /// Part of the cells that are left to the law, in whole or in part.
+    pub fn left_out(&self) -> f64 {
+        let left_out: usize = self.octaves.iter().map(Octave::left_out).sum();
+        let all: usize = self.octaves.iter().map(|octave| octave.cells.len()).sum();
+        left_out as f64 / all as f64
+    }
+}
+
+impl Octave {
+    /// The octave with as few cells as have small errors up to the closure `height` \[m\]; with the fewest where none do.
+    fn new(
+        law: &dyn ContactLaw,
+        (lost, exponent): (f64, u64),
+        kinks: &[[Node; 2]],
+        height: f64,
+    ) -> Self {
+        let low = f64::from_bits(exponent << FRACTION);
+        let mut fewest = None;
+        for digits in DIGITS {
+            let mut found = Self::with_digits(law, (lost, low), kinks, digits);
+            let below = (height / low - 1.0) * found.cells.len() as f64;
+            found.cells.truncate(1 + below as usize);
+            if found.left_out() == 0 {
+                return found;
+            }
+            fewest.get_or_insert(found);
+        }
+        fewest.unwrap_or_else(|| Self { cells: Vec::new(), shift: FRACTION, kinked: Vec::new() })
+    }
+
+    fn with_digits(
+        law: &dyn ContactLaw,
+        (lost, low): (f64, f64),
+        kinks: &[[Node; 2]],
+        digits: u32,
+    ) -> Self {
+        let count = 1_u64 << digits;
+        let mut nodes: Vec<Node> = vec![Node::at(law, lost, low)];
+        for place in 1..=count {
+            let closure = low * (1.0 + place as f64 / count as f64);
+            let node = nodes.last().map(|before| before.further(law, lost, closure));
+            nodes.extend(node);
+        }
         let quintic = |[a, b]: [&Node; 2]| {
             let width = b.closure - a.closure;
             let cell = Cell::hermite([a, b], width);
             let is_close = |t: &f64| {
-                let (exact, found) = (law.pressure(lost + a.closure + t * width), cell.at(*t));
-                (found.value - exact.value).abs() <= PRESSURE_ERROR * exact.value
+                let (exact, found) = (a.further(law, lost, a.closure + t * width), cell.at(*t));
+                (found.value - exact.pressure).abs() <= PRESSURE_ERROR * exact.pressure
                     && (found.tangent - exact.tangent).abs() <= TANGENT_ERROR * exact.tangent
             };
             if CHECKS.iter().all(is_close) { cell } else { Cell::LEFT_OUT }
         };
-        let mut cells = Vec::with_capacity(nodes.len());
+        let (mut cells, mut kinked) = (Vec::with_capacity(nodes.len()), Vec::new());
         for pair in nodes.windows(2) {
             let [a, b] = [&pair[0], &pair[1]];
-            let inside = |kink: &&[Node; 2]| a.closure < kink[0].closure && kink[0].closure < b.closure;
+            let inside =
+                |kink: &&[Node; 2]| a.closure < kink[0].closure && kink[0].closure < b.closure;
             let own: Vec<&[Node; 2]> = kinks.iter().filter(inside).collect();
             if own.is_empty() {
                 cells.push(quintic([a, b]));
@@ -175,21 +243,7 @@ impl RelativeTable {
             cells.push(Cell::kinked(kinked.len()));
             kinked.push(pieces.collect());
         }
-        Self { cells, kinked, shift, first }
-    }
-
-    /// Pressure \[Pa\] and tangent \[Pa/m\] at the closure d \[m\] from first contact; none where the law itself is to be
-    /// taken.
-    pub fn get(&self, closure: f64) -> Option<Pressure> {
-        let bits = closure.to_bits();
-        // Negative numbers have higher places than all others.
-        let place = (bits >> self.shift).checked_sub(self.first)?;
-        let cell = self.cells.get(usize::try_from(place).ok()?)?;
-        if cell.cubic[0].is_nan() {
-            return self.between_kinks(cell, closure);
-        }
-        let within = bits & ((1 << self.shift) - 1);
-        Some(cell.at(within as f64 / (1_u64 << self.shift) as f64))
+        Self { cells, shift: FRACTION - digits, kinked }
     }
 
     fn between_kinks(&self, cell: &Cell, closure: f64) -> Option<Pressure> {
@@ -198,12 +252,12 @@ impl RelativeTable {
         (!piece.is_left_out()).then(|| piece.at((closure - from) * piece.per_metre))
     }
 
-    /// Part of the cells that are left to the law, in whole or in part.
-    pub fn left_out(&self) -> f64 {
+    /// Number of cells that are left to the law, in whole or in part.
+    fn left_out(&self) -> usize {
         let is_left_out = |cell: &&Cell| match cell.kinks() {
             Some(number) => self.kinked[number].iter().any(|(_, piece)| piece.is_left_out()),
             None => cell.is_left_out(),
         };
-        self.cells.iter().filter(is_left_out).count() as f64 / self.cells.len() as f64
+        self.cells.iter().filter(is_left_out).count()
     }
 }

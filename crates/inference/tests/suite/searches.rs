@@ -1,8 +1,8 @@
 //! Searches along curved valleys, past missing predictions, and with errors of the predictions.
 
 use asperity_inference::{
-    FitOptions, ForwardModel, FunctionModel, Observation, Parameter, PredictionError, Predictions,
-    fit,
+    FitOptions, ForwardModel, FunctionModel, Observation, Parameter, Posterior,
+    PosteriorDiagnostics, PredictionError, Predictions, fit, refit_with_progress,
 };
 
 use crate::models::linear;
@@ -77,4 +77,39 @@ fn errors_of_the_predictions_do_not_spoil_the_derivatives() {
     let found = fit(&model, &FitOptions::default()).unwrap();
     assert!(found.converged, "{:?}", found.termination);
     assert!(found.chi_square < 0.05, "{} {:?}", found.chi_square, found.point);
+}
+
+/// A search that ended in the higher of two minima goes on from a draw in the lower one, and ends there.
+#[test]
+fn a_draw_of_lower_cost_is_a_further_start() {
+    let model = FunctionModel {
+        parameters: vec![Parameter::linear("x", -1.2, [-2.0, 2.0]).unwrap()],
+        observations: Observation::list(&[0.0, 1.0], 0.1),
+        function: |x: &[f64]| vec![3.0 * (x[0] * x[0] - 1.0), x[0]],
+    };
+    let found = fit(&model, &FitOptions { starts: 1, ..FitOptions::default() }).unwrap();
+    assert!(found.point[0] < -0.8, "{:?}", found.point);
+    let drawn = |draws: &[f64]| Posterior {
+        draws: draws.iter().map(|&x| vec![x]).collect(),
+        weights: vec![1.0 / draws.len() as f64; draws.len()],
+        predictions: draws
+            .iter()
+            .map(|&x| (model.function)(&[x]).into_iter().map(Some).collect())
+            .collect(),
+        diagnostics: PosteriorDiagnostics::default(),
+    };
+    // Draws about the minimum that was found are not better, whatever their number.
+    assert_eq!(found.better_draw(&drawn(&[-0.9, -0.85, -0.95])), None);
+    let posterior = drawn(&[-0.9, 0.9, 1.1, 1.01]);
+    let better = found.better_draw(&posterior).unwrap().to_vec();
+    assert_eq!(better, [1.01]);
+    let again = refit_with_progress(&model, &found.clone().into_solution().with_start(better), &|_| ());
+    let again = again.unwrap();
+    assert!((again.point[0] - 1.0).abs() < 1e-6, "{:?}", again.point);
+    assert!(again.cost < 1e-9 && again.starts.len() == 2 && found.cost > 100.0);
+    assert_eq!(again.better_draw(&posterior), None);
+    // A draw without the predictions that the fit has does not count.
+    let mut without = posterior.clone();
+    without.predictions.iter_mut().for_each(|one| one[1] = None);
+    assert_eq!(found.better_draw(&without), None);
 }

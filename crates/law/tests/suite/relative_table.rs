@@ -49,7 +49,7 @@ fn laws() -> Vec<Arc<dyn ContactLaw>> {
 fn tables_are_exact_to_their_relative_errors() {
     for law in laws() {
         let table = RelativeTable::new(&*law, TOP).unwrap();
-        assert!(table.left_out() <= 0.1, "{law:?}: {}", table.left_out());
+        assert!(table.left_out() <= 0.02, "{law:?}: {}", table.left_out());
         let [pressure, tangent] = errors(&*law, &table);
         assert!(pressure < 2e-11 && tangent < 2e-9, "{law:?}: {pressure:e} {tangent:e}");
     }

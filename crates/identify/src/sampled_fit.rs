@@ -1,0 +1,215 @@
+//! The fit of a problem with its uncertainty, again from a draw of the posterior where that has a lower cost.
+
+use asperity_inference::{
+    Agreement, Covariance, Fit, FitOptions, FitSolution, GoodnessOfFit,
+    InferenceError, Linearisation, NoiseScale, Posterior, Profile, ProgressCallback, ScaledNoise,
+    Strain, StrainKind, fit_with_progress, refit_with_progress,
+};
+use asperity_scenario::Laws;
+
+use crate::built_model::ObservationLabel;
+use crate::correlation::correlation_factor;
+use crate::error::IdentificationError;
+use crate::hit_numerics::{FeatureErrors, HitNumerics, numerics_at};
+use crate::identification_problem::IdentificationProblem;
+use crate::incomplete::Unfinished;
+use crate::latent_sampling::{FreeLawFindings, posterior_of, profiles};
+use crate::problem::NoiseSpec;
+use crate::scenario_model::ScenarioModel;
+use crate::work::{WorkStage, expected_of_explanations};
+
+/// Relative reduction of the cost at which a fit with latents has converged: an error of a thousandth in chi-square is far below its spread.
+const LATENT_TOLERANCE: f64 = 1e-4;
+
+/// Times at most that a fit is repeated from a draw of lower cost.
+const MOST_REPEATED: usize = 2;
+
+/// A fit and what follows from it alone.
+pub(super) struct SampledFit {
+    /// The fit with the standard deviations as given.
+    pub(super) own: FitSolution,
+    /// The fit with them times the factor.
+    pub(super) best: FitSolution,
+    pub(super) factor: f64,
+    /// With the standard deviations as given.
+    pub(super) goodness: GoodnessOfFit,
+    pub(super) hits: Vec<HitNumerics>,
+    pub(super) feature_errors: Vec<FeatureErrors>,
+    pub(super) linearisation: Linearisation,
+    pub(super) covariance: Covariance,
+    pub(super) strains: Vec<Strain>,
+    pub(super) laws: Laws,
+    pub(super) profiles: Vec<Profile>,
+    pub(super) sampled: Result<(Posterior, Option<FreeLawFindings>), IdentificationError>,
+    /// A draw of lower cost.
+    better: Option<Vec<f64>>,
+}
+
+/// The fit of a problem, its profiles and its posterior.
+///
+/// The surface that is sampled may lead out of a minimum that is not the lowest: the fit is then repeated from the best
+/// draw, as a further start, and so is all that follows.
+pub(super) fn sampled_fit(
+    problem: &IdentificationProblem,
+    (forward, about): (&mut ScenarioModel, &[ObservationLabel]),
+    unfinished: &Unfinished,
+    progress: &ProgressCallback<'_>,
+) -> Result<SampledFit, IdentificationError> {
+    let own = own_fit(problem, forward, unfinished, progress)?;
+    let mut found = sampled_from(problem, (forward, about), own, unfinished, progress)?;
+    for _ in 0..MOST_REPEATED {
+        let Some(better) = found.better.take() else { break };
+        problem.work.repeat();
+        let start = found.own.with_start(better);
+        let own = refit_with_progress(forward, &start, progress)?.into_solution();
+        let own = at_held_steps(problem, forward, own, progress)?;
+        found = sampled_from(problem, (forward, about), own, unfinished, progress)?;
+    }
+    Ok(found)
+}
+
+/// What follows from a fit.
+fn sampled_from(
+    problem: &IdentificationProblem,
+    (forward, about): (&ScenarioModel, &[ObservationLabel]),
+    own: FitSolution,
+    unfinished: &Unfinished,
+    progress: &ProgressCallback<'_>,
+) -> Result<SampledFit, IdentificationError> {
+    let (work, spec) = (&problem.work, &problem.spec);
+    let given = Fit::resumed(forward, own.clone(), progress)?;
+    let goodness = goodness_of(problem, &given);
+    let factor = noise_factor(spec.noise, &goodness, (forward, about), &own.residuals);
+    // All results below belong to the model with scaled standard deviations.
+    let model = ScaledNoise::new(forward, factor);
+    let best = if factor > 1.0 { refit_with_progress(&model, &own, progress) } else { Ok(given) };
+    if best.is_err() && work.is_stopped() {
+        let laws = forward.laws(&own.point)?;
+        return Err(unfinished.stopped(WorkStage::Fit, own, None, Vec::new(), laws));
+    }
+    let best = best?;
+    let (hits, feature_errors) = numerics_at(forward, &best.point)?;
+    work.begin(WorkStage::Profiles);
+    let linearisation = best.linearise()?;
+    let covariance = linearisation.covariance(NoiseScale::Given)?;
+    let strains = strains_as_given(&linearisation, &best, factor)?;
+    let laws = forward.laws(&best.point)?;
+    let profiles = profiles(problem, forward, &best, &covariance)?;
+    if work.is_stopped() {
+        let (fit, covariance) = (best.into_solution(), Some(covariance));
+        return Err(unfinished.stopped(WorkStage::Profiles, fit, covariance, Vec::new(), laws));
+    }
+    work.begin(WorkStage::Posterior);
+    let sampled =
+        posterior_of(problem, forward, &best, (&linearisation, &covariance, &profiles), factor);
+    if work.is_stopped() {
+        let (fit, covariance) = (best.into_solution(), Some(covariance));
+        return Err(unfinished.stopped(WorkStage::Posterior, fit, covariance, profiles, laws));
+    }
+    let better = match &sampled {
+        Ok((posterior, None)) => best.better_draw(posterior).map(<[f64]>::to_vec),
+        _ => None,
+    };
+    let best = best.into_solution();
+    Ok(SampledFit {
+        own,
+        best,
+        factor,
+        goodness,
+        hits,
+        feature_errors,
+        linearisation,
+        covariance,
+        strains,
+        laws,
+        profiles,
+        sampled,
+        better,
+    })
+}
+
+/// The fit with the standard deviations as given, at the step and the modes that it needs.
+fn own_fit(
+    problem: &IdentificationProblem,
+    forward: &mut ScenarioModel,
+    unfinished: &Unfinished,
+    progress: &ProgressCallback<'_>,
+) -> Result<FitSolution, IdentificationError> {
+    let work = &problem.work;
+    // Latents have one start, the scenario's law: their prior has one mode.
+    let free = forward.parameters.free.is_some();
+    let options = problem.fit_options(if free { 1 } else { problem.spec.starts });
+    let options =
+        if free { FitOptions { tolerance: LATENT_TOLERANCE, ..options } } else { options };
+    let mut given = match fit_with_progress(forward, &options, progress) {
+        Err(InferenceError::NoPredictions { .. }) if work.is_stopped() => {
+            return Err(IdentificationError::StoppedAtOnce);
+        }
+        found => found?.into_solution(),
+    };
+    given = at_held_steps(problem, forward, given, progress)?;
+    if work.is_stopped() {
+        let laws = forward.laws(&given.point)?;
+        return Err(unfinished.stopped(WorkStage::Fit, given, None, Vec::new(), laws));
+    }
+    Ok(given)
+}
+
+/// A fit at the steps and modes that its end needs, which may be finer than those of the search.
+fn at_held_steps(
+    problem: &IdentificationProblem,
+    forward: &mut ScenarioModel,
+    given: FitSolution,
+    progress: &ProgressCallback<'_>,
+) -> Result<FitSolution, IdentificationError> {
+    let work = &problem.work;
+    if work.is_stopped() || !forward.hold(&forward.converged(&given.point)?) {
+        return Ok(given);
+    }
+    match refit_with_progress(forward, &given, progress) {
+        Err(InferenceError::NoPredictions { .. }) if work.is_stopped() => Ok(given),
+        found => Ok(found?.into_solution()),
+    }
+}
+
+/// The goodness of a fit; one that does not agree needs explanations.
+fn goodness_of(problem: &IdentificationProblem, given: &Fit<'_>) -> GoodnessOfFit {
+    let goodness = given.goodness();
+    if goodness.agreement() == Agreement::None && !problem.is_fast {
+        let more = expected_of_explanations(given.point.len());
+        problem.work.expect(WorkStage::Comparison, more);
+    }
+    goodness
+}
+
+/// Factor of the standard deviations: of the size of the residuals, and, where the law does not agree, of their
+/// correlation: the errors of a law that agrees are independent.
+fn noise_factor(
+    noise: NoiseSpec,
+    goodness: &GoodnessOfFit,
+    (forward, about): (&ScenarioModel, &[ObservationLabel]),
+    residuals: &[f64],
+) -> f64 {
+    match noise {
+        NoiseSpec::Given => 1.0,
+        NoiseSpec::AtLeastGiven if goodness.agreement() == Agreement::Good => goodness.noise_factor,
+        NoiseSpec::AtLeastGiven => {
+            let correlated = correlation_factor(&forward.quantities, about, residuals);
+            goodness.noise_factor * correlated.sqrt()
+        }
+    }
+}
+
+/// The strains with the standard deviations as given, which are scaled by a factor.
+fn strains_as_given(
+    linearisation: &Linearisation,
+    best: &FitSolution,
+    factor: f64,
+) -> Result<Vec<Strain>, InferenceError> {
+    let mut strains = linearisation.strains(best)?;
+    let of_bounds = |strain: &&mut Strain| matches!(strain.kind, StrainKind::Bound(_));
+    for strain in strains.iter_mut().filter(of_bounds) {
+        strain.deviations *= factor;
+    }
+    Ok(strains)
+}
