@@ -91,7 +91,8 @@ fn random_inputs(url: &str) {
         random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         (random >> 40) as f64 / f64::from(1 << 24)
     };
-    let parts = [("hit", vec!["law", "frf"]), ("levels", vec!["levels"]), ("steady", vec!["steady"])];
+    let parts =
+        [("hit", vec!["law", "frf"]), ("levels", vec!["levels"]), ("steady", vec!["steady"])];
     let begun = Instant::now();
     let (mut before, mut open, mut last) = (None, [None, None, None], Value::Null);
     for input in 0..RANDOM_INPUTS {

@@ -302,4 +302,3 @@ fn best_alone(best: &FitSolution) -> Posterior {
         },
     }
 }
-

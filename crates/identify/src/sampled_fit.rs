@@ -1,9 +1,9 @@
 //! The fit of a problem with its uncertainty, again from a draw of the posterior where that has a lower cost.
 
 use asperity_inference::{
-    Agreement, Covariance, Fit, FitOptions, FitSolution, GoodnessOfFit,
-    InferenceError, Linearisation, NoiseScale, Posterior, Profile, ProgressCallback, ScaledNoise,
-    Strain, StrainKind, fit_with_progress, refit_with_progress,
+    Agreement, Covariance, Fit, FitOptions, FitSolution, GoodnessOfFit, InferenceError,
+    Linearisation, NoiseScale, Posterior, Profile, ProgressCallback, ScaledNoise, Strain,
+    StrainKind, fit_with_progress, refit_with_progress,
 };
 use asperity_scenario::Laws;
 

@@ -189,7 +189,10 @@ impl<'m> Fit<'m> {
     pub fn better_draw<'p>(&self, posterior: &'p Posterior) -> Option<&'p [f64]> {
         let cost = |(draw, predictions): (&'p Vec<f64>, &Predictions)| {
             let has_all = predictions.len() == self.predictions.len()
-                && predictions.iter().zip(&self.predictions).all(|(a, b)| a.is_some() || b.is_none());
+                && predictions
+                    .iter()
+                    .zip(&self.predictions)
+                    .all(|(a, b)| a.is_some() || b.is_none());
             let x = self.problem.to_working(draw);
             let cost = self.problem.cost(&self.problem.residuals(predictions), &x);
             has_all.then_some((draw, cost))

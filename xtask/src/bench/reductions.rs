@@ -37,7 +37,9 @@ const LOOK: Duration = Duration::from_millis(10);
 
 /// Prints a table of `asperity check` and a short hit: with matrices read and reduced, and with the kept reduction.
 pub(crate) fn run(command: &Path) -> Result<()> {
-    println!("| block | rows | cells | reduced and checked, s | GB | with the kept reduction, s | hit of 2 ms, s |");
+    println!(
+        "| block | rows | cells | reduced and checked, s | GB | with the kept reduction, s | hit of 2 ms, s |"
+    );
     println!("|---|---|---|---|---|---|---|");
     for block in &BLOCKS {
         let folder = tempfile::tempdir().context("no temporary folder")?;
@@ -67,9 +69,9 @@ pub(crate) fn run(command: &Path) -> Result<()> {
 impl Block {
     /// Writes matrices, mesh and scenario; the scenario's path and the number of rows.
     fn write(&self, folder: &Path) -> Result<(PathBuf, usize)> {
-        let lines = self.elements.map(|count| {
-            (0..=count).map(|n| n as f64 * self.length).collect::<Vec<f64>>()
-        });
+        let lines = self
+            .elements
+            .map(|count| (0..=count).map(|n| n as f64 * self.length).collect::<Vec<f64>>());
         let mut solid = Solid::block(&lines, STEEL);
         solid.hold_plane(0, 0.0);
         solid.hold_plane(1, 0.0);
@@ -77,9 +79,7 @@ impl Block {
         solid.name_surface("LOWER", 0.0, wide.max(deep));
         solid.write(folder, "block")?;
         let rows = fs::read_to_string(folder.join("block.dof"))?.lines().count();
-        let at = |sign: f64| {
-            json!({"body": "block", "node": solid.node_at([0.0, 0.0, high]), "direction": [0, 0, sign]})
-        };
+        let at = |sign: f64| json!({"body": "block", "node": solid.node_at([0.0, 0.0, high]), "direction": [0, 0, sign]});
         let weight = 9.81 * STEEL.density * wide * deep * high;
         let scenario = json!({
             "schema": "asperity/scenario/1",
@@ -109,10 +109,8 @@ struct Spent {
 
 fn timed(command: &mut Command) -> Result<Spent> {
     let started = Instant::now();
-    let mut child = command
-        .stdout(Stdio::null())
-        .spawn()
-        .context("the command cannot be started")?;
+    let mut child =
+        command.stdout(Stdio::null()).spawn().context("the command cannot be started")?;
     let mut gigabytes = f64::NAN;
     let status = loop {
         if let Some(status) = child.try_wait()? {

@@ -103,7 +103,8 @@ fn a_draw_of_lower_cost_is_a_further_start() {
     let posterior = drawn(&[-0.9, 0.9, 1.1, 1.01]);
     let better = found.better_draw(&posterior).unwrap().to_vec();
     assert_eq!(better, [1.01]);
-    let again = refit_with_progress(&model, &found.clone().into_solution().with_start(better), &|_| ());
+    let again =
+        refit_with_progress(&model, &found.clone().into_solution().with_start(better), &|_| ());
     let again = again.unwrap();
     assert!((again.point[0] - 1.0).abs() < 1e-6, "{:?}", again.point);
     assert!(again.cost < 1e-9 && again.starts.len() == 2 && found.cost > 100.0);

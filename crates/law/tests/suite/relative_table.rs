@@ -61,7 +61,8 @@ fn closures_outside_are_left_to_the_law() {
     let law = Power::new(1.81e10, 0.35, 0.0).unwrap();
     let table = RelativeTable::new(&law, TOP).unwrap();
     let height = law.closure(TOP);
-    for closure in [-height, -0.0, 0.0, 1e-300, height * 2.0_f64.powi(-20), 2.1 * height, f64::NAN] {
+    for closure in [-height, -0.0, 0.0, 1e-300, height * 2.0_f64.powi(-20), 2.1 * height, f64::NAN]
+    {
         assert_eq!(table.get(closure), None, "{closure}");
     }
     assert!(table.get(height).is_some());

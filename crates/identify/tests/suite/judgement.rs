@@ -1,5 +1,4 @@
 //! The judgement of an identification: synthetic data of stiffnesses, for each reason.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use asperity_identify::{
     GivenNumber, Identification, IdentificationProblem, ReasonKind, Usability, identify,

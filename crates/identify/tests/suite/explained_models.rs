@@ -1,16 +1,7 @@
 //! Random rigs with wrong models: what would explain their data better.
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
-#![allow(missing_docs, unreachable_pub, dead_code, reason = "the rigs are shared with the example")]
 
-#[path = "support/laws.rs"]
-mod laws;
-#[path = "support/twin.rs"]
-mod twin;
-#[path = "support/wrong_models.rs"]
-mod wrong_models;
-
+use crate::wrong_models::Rig;
 use asperity_identify::{Usability, identify};
-use wrong_models::Rig;
 
 /// Contacts dissipate, and the model has damping of the bodies alone: the law is void, and contact damping is the
 /// first explanation, with most of the excess of chi-square.

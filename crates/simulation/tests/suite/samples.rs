@@ -1,5 +1,4 @@
 //! Forces of samples, from a file and from points of the document.
-#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use asperity_scenario::Document;
 use asperity_simulation::run::{Run, simulate};

@@ -1,7 +1,5 @@
 //! Springs, dampers, held displacements and reduced models in structures of matrices: closed forms, and a second
 //! integrator.
-#![allow(clippy::print_stderr, reason = "a test without its data says that it was skipped")]
-#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;

@@ -2,8 +2,6 @@
 //! coordinates.
 //!
 //! The references are not part of this repository; without them their test is skipped by name.
-#![allow(clippy::print_stderr, reason = "a test without its data says that it was skipped")]
-#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use std::fmt::Write as _;
 use std::fs;

@@ -1,5 +1,4 @@
 //! Steady responses of a structure of matrices with more than a hundred cells, against time integration.
-#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use std::fmt::Write as _;
 use std::fs;

@@ -1,5 +1,4 @@
 //! Tractions over closures of contacts, against the energy ledger of the integrator.
-#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use asperity_scenario::Document;
 use asperity_simulation::contact_path::contact_paths;

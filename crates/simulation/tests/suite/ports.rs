@@ -1,5 +1,4 @@
 //! Loads and sensors at places of the document, in one run, in sweeps and in steady responses.
-#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use std::f64::consts::TAU;
 

@@ -6,7 +6,7 @@ use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 /// A degree of freedom: node, and axis from one.
-pub type Freedom = (u32, u32);
+pub(crate) type Freedom = (u32, u32);
 
 /// Corners and middles of edges of the element, in the order of C3D20.
 const NODES: [[f64; 3]; 20] = [
@@ -33,7 +33,7 @@ const NODES: [[f64; 3]; 20] = [
 ];
 
 /// Nodes, elements and equations of a deck, of one material.
-pub struct Bricks {
+pub(crate) struct Bricks {
     nodes: HashMap<u32, [f64; 3]>,
     elements: Vec<[u32; 20]>,
     /// The first freedom of each equation by the others.
@@ -44,7 +44,7 @@ pub struct Bricks {
 
 impl Bricks {
     /// Reads the lists of a deck.
-    pub fn read(deck: &str) -> Self {
+    pub(crate) fn read(deck: &str) -> Self {
         let [mut modulus, mut poisson, mut density] = [f64::NAN; 3];
         let mut found = Self {
             nodes: HashMap::new(),
@@ -88,7 +88,7 @@ impl Bricks {
     }
 
     /// Writes `NAME.sti`, `NAME.mas` and `NAME.dof` in the form of CalculiX, and gives the traces of stiffness and mass.
-    pub fn write(&self, folder: &Path, name: &str) -> [f64; 2] {
+    pub(crate) fn write(&self, folder: &Path, name: &str) -> [f64; 2] {
         let mut freedoms: Vec<Freedom> = self
             .nodes
             .keys()

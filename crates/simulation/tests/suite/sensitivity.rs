@@ -1,6 +1,5 @@
 //! Derivatives of the observables of whole scenarios against central differences of the same
 //! observables at the same step.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use asperity_scenario::Document;
 use asperity_simulation::sensitivity::{Sensitivities, SensitivityError, sensitivities};

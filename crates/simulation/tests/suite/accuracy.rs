@@ -1,7 +1,5 @@
 //! Modal responses against truths, and what is said of those that are not accurate.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
-
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use asperity_dynamics::DynamicsError;

@@ -1,5 +1,4 @@
 //! Bars beside bodies of matrices in one structure, against the stack of bars alone.
-#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use std::fmt::Write as _;
 use std::fs;

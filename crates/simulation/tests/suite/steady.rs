@@ -1,7 +1,5 @@
 //! Steady responses with loss of contact: condensed bodies, and motions that are not periodic.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
-
 use asperity_harmonic::{PeriodicResponse, SpecialPointKind};
 use asperity_scenario::Document;
 use asperity_simulation::assemble::Assembly;

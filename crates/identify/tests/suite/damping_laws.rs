@@ -1,12 +1,7 @@
 //! Numbers of damping as parameters of an identification.
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
-#![allow(missing_docs, unreachable_pub, dead_code, reason = "the twin is shared with other tests")]
 
-#[path = "support/losses.rs"]
-mod losses;
-#[path = "support/twin.rs"]
-mod twin;
-
+use crate::losses::{KINDS, LIGHT, Observed};
+use crate::twin::{Sensors, Truth};
 use asperity_experiment::{
     AnalysisOptions, DecayOptions, FrequencyBand, ResponseChoice, analyse, analyse_decays,
 };
@@ -15,9 +10,7 @@ use asperity_measure::{Format, WriteOptions, write};
 use asperity_scenario::Document;
 use asperity_simulation::record::measurement_record;
 use asperity_simulation::run::simulate;
-use losses::{KINDS, LIGHT, Observed};
 use serde_json::{Value, json};
-use twin::{Sensors, Truth};
 
 /// Rate of records \[Hz\].
 const RATE: f64 = 50_000.0;
@@ -141,7 +134,7 @@ fn measured_and_predicted_backbones_agree() {
             std::fs::write(folder.path().join("backbone.csv"), table).unwrap();
             let problem = json!({
                 "schema": "asperity/identify/1", "scenario": scenario,
-                "unknowns": [losses::unknown(kind)],
+                "unknowns": [crate::losses::unknown(kind)],
                 "data": [{"kind": "backbone", "file": "backbone.csv", "index": 1,
                           "hit": {"force_peak_n": peak}, "spread": {"relative": 1e-4}, "damping_spread": {"relative": 0.01}}],
                 "draws": 100, "starts": 1,

@@ -1,12 +1,6 @@
 //! Laws without an assumed form, from twins of other families and from a constant stiffness.
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
-#![allow(missing_docs, unreachable_pub, dead_code, reason = "the twin is shared with an example")]
 
-#[path = "support/laws.rs"]
-mod laws;
-#[path = "support/twin.rs"]
-mod twin;
-
+use crate::twin::{Noise, Sensors, Truth, is_long};
 use asperity_identify::problem::SlopeSmoothness;
 use asperity_identify::{
     Identification, IdentificationError, LawBand, PressureDependence, RESOLVED, StiffnessOrigin,
@@ -16,7 +10,6 @@ use asperity_inference::Agreement;
 use asperity_law::{ContactLaw, Exponential, ModifiedPower, Tabulated};
 use asperity_scenario::Document;
 use serde_json::{Value, json};
-use twin::{Noise, Sensors, Truth, is_long};
 
 const SCENARIO: &str = "../../fixtures/scenarios/nouira2020-modified.json";
 
@@ -72,9 +65,9 @@ fn the_bands_of_free_laws_hold_for_laws_of_other_families() {
     let families = [("shoulder", 11), ("kink", 3), ("bump", 12), ("exponential", 13)];
     let (count, least) = if is_long() { (4, 5) } else { (2, 2) };
     for &(family, seed) in &families[..count] {
-        let points = laws::law(family, &mut Noise::new(seed));
+        let points = crate::laws::law(family, &mut Noise::new(seed));
         let truth = Tabulated::new(&points).unwrap();
-        let found = identified(&laws::written(&points), seed, 30, &PEAKS);
+        let found = identified(&crate::laws::written(&points), seed, 30, &PEAKS);
         let band = &found.law;
         for asked in [0.1e6, 0.2e6] {
             let i = band.pressure.partition_point(|&pressure| pressure < asked);

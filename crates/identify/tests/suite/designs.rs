@@ -1,5 +1,4 @@
 //! Ranking of further measurements against closed forms.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use asperity_identify::{
     Identification, IdentificationError, IdentificationProblem, MeasurementKind, identify,

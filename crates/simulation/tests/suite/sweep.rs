@@ -1,6 +1,5 @@
 //! A sweep against single runs: vector lanes, decimated records and the shared analysis give the
 //! numbers of one run with its full-length analysis.
-#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use asperity_scenario::{Document, SupportSpec};
 use asperity_simulation::run::simulate;

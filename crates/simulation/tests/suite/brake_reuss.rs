@@ -1,22 +1,15 @@
 //! The Brake-Reuss beam, reduced and with all of its rows, against references by an independent program.
 //!
 //! The references are not part of this repository; without them the tests are skipped by name.
-#![allow(clippy::print_stderr, reason = "a test without its data says that it was skipped")]
-#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
-#![allow(clippy::expect_used, reason = "a test that cannot be set up has failed")]
-#![allow(missing_docs, unreachable_pub, reason = "the support is of this test alone")]
-
-#[path = "support/bricks.rs"]
-mod bricks;
 
 use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
+use crate::bricks::Bricks;
 use asperity_scenario::Document;
 use asperity_simulation::patches::{assemble_patches, patch_modes, simulate_patches};
 use asperity_structure::PreloadedContact;
-use bricks::Bricks;
 use serde_json::Value;
 
 /// The folder of the data; none where there are none, which is said for `test`.
@@ -72,8 +65,9 @@ impl Reference {
     fn read(data: &Path) -> Self {
         let text = fs::read_to_string(data.join("reference.json")).unwrap();
         let all: Value = serde_json::from_str(&text).unwrap();
-        let numbers =
-            |list: &Value| serde_json::from_value::<Vec<f64>>(list["frequency_hz"].clone()).unwrap();
+        let numbers = |list: &Value| {
+            serde_json::from_value::<Vec<f64>>(list["frequency_hz"].clone()).unwrap()
+        };
         let cells = all["static"]["cells"].as_array().unwrap();
         Self {
             linear: numbers(&all["modes_linear_cells"]),
@@ -136,8 +130,7 @@ fn the_whole_beam_rests_and_vibrates_as_by_the_reference() {
     let assembly =
         assemble_patches(&document.structure_scenario().unwrap(), document.folder()).unwrap();
     let contacts = assembly.structure.structure.contacts();
-    let found: Vec<f64> =
-        contacts.iter().map(PreloadedContact::pressure).collect();
+    let found: Vec<f64> = contacts.iter().map(PreloadedContact::pressure).collect();
     let off = largest_off(&found, &reference.pressures);
     assert!(off < 1e-6, "{off}");
 }

@@ -1,12 +1,8 @@
 //! Twin experiments, model comparison, files of data, and a structure without a contact.
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
-#![allow(missing_docs, unreachable_pub, reason = "the twin is shared with an example")]
-
-#[path = "support/twin.rs"]
-mod twin;
 
 use std::path::{Path, PathBuf};
 
+use crate::twin::{Sensors, Truth, is_long};
 use asperity_experiment::{AnalysisOptions, FrequencyBand, ResponseChoice, analyse};
 use asperity_identify::{
     Identification, IdentificationProblem, PressureDependence, Usability, identify,
@@ -25,7 +21,6 @@ use asperity_simulation::record::measurement_record;
 use asperity_simulation::run::simulate;
 use asperity_simulation::steady::SettledAmplitude;
 use serde_json::{Value, json};
-use twin::{Sensors, Truth, is_long};
 
 const SCENARIO: &str = "../../fixtures/scenarios/nouira2020-modified.json";
 
@@ -485,7 +480,7 @@ fn a_stepped_sine_gives_back_the_law() {
     let document = Document::read(SCENARIO).unwrap();
     let scenario = document.scenario().unwrap();
     let assembly = Assembly::new(&scenario, document.folder()).unwrap();
-    let mut noise = twin::Noise::new(5);
+    let mut noise = crate::twin::Noise::new(5);
     let mut table = vec!["frequency_hz,force_n,amplitude_m".to_owned()];
     for force in [0.2, 0.5] {
         for frequency in [790.0, 820.0, 840.0, 855.0, 865.0, 875.0, 890.0, 910.0, 940.0] {

@@ -1,29 +1,17 @@
 //! Laws of structures of matrices, from hits on all rows of their matrices by an integrator of the test.
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
-#![allow(
-    dead_code,
-    unreachable_pub,
-    missing_docs,
-    reason = "the noise is shared with the twins of bars"
-)]
-
-#[path = "support/lattice.rs"]
-mod lattice;
-#[path = "support/twin.rs"]
-mod twin;
 
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use crate::lattice::{Lattice, RATE_HZ};
+use crate::twin::{Noise, is_long};
 use asperity_experiment::{AnalysisOptions, FrequencyBand, ResponseChoice, analyse};
 use asperity_identify::{Identification, IdentificationProblem, Usability, identify};
 use asperity_measure::{Format, ReadOptions, WriteOptions};
 use asperity_scenario::Document;
 use asperity_simulation::patches::assemble_patches;
-use lattice::{Lattice, RATE_HZ};
 use serde_json::{Value, json};
-use twin::{Noise, is_long};
 
 /// The law of the twin.
 const TRUTH: [f64; 2] = [1.2e8, 0.45];
