@@ -147,12 +147,22 @@ fn own_fit(
         }
         found => found?.into_solution(),
     };
+    if free && far_from_data(&given) && !work.is_stopped() {
+        given.options.tolerance = FitOptions::default().tolerance;
+        given = refit_with_progress(forward, &given, progress)?.into_solution();
+        given.options.tolerance = LATENT_TOLERANCE;
+    }
     given = at_held_steps(problem, forward, given, progress)?;
     if work.is_stopped() {
         let laws = forward.laws(&given.point)?;
         return Err(unfinished.stopped(WorkStage::Fit, given, None, Vec::new(), laws));
     }
     Ok(given)
+}
+
+/// True for a fit whose cost is so large that a small part of it is no small part of the spread of chi-square.
+fn far_from_data(fit: &FitSolution) -> bool {
+    fit.chi_square > 2.0 * fit.residuals.len() as f64
 }
 
 /// A fit at the steps and modes that its end needs, which may be finer than those of the search.

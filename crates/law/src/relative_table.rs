@@ -8,6 +8,9 @@ const OCTAVES: u64 = 18;
 /// Binary digits of the numbers of cells of an octave that are tried.
 const DIGITS: [u32; 5] = [4, 5, 6, 7, 8];
 
+/// The fewest of an octave with kinks of the law.
+const DIGITS_WITH_KINKS: u32 = 7;
+
 /// Binary digits of the fraction of a number.
 const FRACTION: u32 = f64::MANTISSA_DIGITS - 1;
 
@@ -192,7 +195,10 @@ impl Octave {
     ) -> Self {
         let low = f64::from_bits(exponent << FRACTION);
         let mut fewest = None;
-        for digits in DIGITS {
+        // A cell with kinks takes longer: where there are some, it is small.
+        let has_kinks = kinks.iter().any(|kink| (low..2.0 * low).contains(&kink[0].closure));
+        let least = if has_kinks { DIGITS_WITH_KINKS } else { 0 };
+        for digits in DIGITS.into_iter().filter(|digits| *digits >= least) {
             let mut found = Self::with_digits(law, (lost, low), kinks, digits);
             let below = (height / low - 1.0) * found.cells.len() as f64;
             found.cells.truncate(1 + below as usize);

@@ -1,5 +1,6 @@
 //! Random rigs with wrong models: what would explain their data better.
 
+use crate::twin::is_long;
 use crate::wrong_models::Rig;
 use asperity_identify::{Usability, identify};
 
@@ -15,4 +16,18 @@ fn contact_damping_that_the_model_lacks_is_the_first_explanation() {
     let excess = goodness.chi_square - goodness.degrees_of_freedom as f64;
     let left = first.chi_square.unwrap() - goodness.degrees_of_freedom as f64;
     assert!(left < 0.2 * excess, "{:?}", found.explanations);
+}
+
+/// Right models whose first search ends far from the data: one in a minimum that the posterior leaves, one with a free law at
+/// the tolerance of searches near the data.
+#[test]
+fn right_models_reach_their_data() {
+    if !is_long() {
+        return;
+    }
+    for number in [11, 12] {
+        let found = identify(&Rig::new(20_261_129, number).problem(true).fast()).unwrap();
+        assert!(found.explains(), "{number}: {:?}", found.goodness);
+        assert_ne!(found.judgement().usability, Usability::No, "{:?}", found.judgement());
+    }
 }
