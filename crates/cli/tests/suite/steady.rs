@@ -62,8 +62,10 @@ fn condensed_bodies_are_named() {
     assert_eq!(level["condensed_bodies"][0]["name"], "sample");
     let because = &level["condensed_because"];
     assert_eq!(because["kind"], "contact_lost");
-    let hz =
-        format!("contact is lost from about {:.0} Hz on with it", because["from_hz"].as_f64().unwrap());
+    let hz = format!(
+        "contact is lost from about {:.0} Hz on with it",
+        because["from_hz"].as_f64().unwrap()
+    );
     for part in ["   peak ", "inertia left out: sample (", &hz] {
         assert!(printed.contains(part), "{part}: {printed}");
     }
