@@ -398,7 +398,7 @@ impl Unexplained<'_> {
         let chi_square = self.short_fit(&trial, progress)? + left_out as f64;
         let count = opens.iter().filter(|opens| **opens).count();
         let cause = format!(
-            "contact opens in {count} of {} hits, and the model fits the others alone",
+            "contact is without pressure at times in {count} of {} hits, and the model fits the others alone",
             opens.len()
         );
         Some(Explanation { cause, expected_chi_square: None, chi_square: Some(chi_square) })

@@ -60,10 +60,17 @@ pub(super) fn sampled_fit(
     for _ in 0..MOST_REPEATED {
         let Some(better) = found.better.take() else { break };
         problem.work.repeat();
-        let start = found.own.with_start(better);
-        let own = refit_with_progress(forward, &start, progress)?.into_solution();
-        let own = at_held_steps(problem, forward, own, progress)?;
-        found = sampled_from(problem, (forward, about), own, unfinished, progress)?;
+        let start = found.own.clone().with_start(better);
+        let again = refit_with_progress(forward, &start, progress)
+            .map_err(IdentificationError::from)
+            .and_then(|own| at_held_steps(problem, forward, own.into_solution(), progress))
+            .and_then(|own| sampled_from(problem, (forward, about), own, unfinished, progress));
+        match again {
+            Ok(again) => found = again,
+            // What was finished before a request to stop is kept.
+            Err(_) if problem.work.is_stopped() => break,
+            Err(error) => return Err(error),
+        }
     }
     Ok(found)
 }
@@ -149,7 +156,11 @@ fn own_fit(
     };
     if free && far_from_data(&given) && !work.is_stopped() {
         given.options.tolerance = FitOptions::default().tolerance;
-        given = refit_with_progress(forward, &given, progress)?.into_solution();
+        let before = given.clone();
+        given = match refit_with_progress(forward, &given, progress) {
+            Err(InferenceError::NoPredictions { .. }) if work.is_stopped() => before,
+            found => found?.into_solution(),
+        };
         given.options.tolerance = LATENT_TOLERANCE;
     }
     given = at_held_steps(problem, forward, given, progress)?;

@@ -174,7 +174,7 @@ def test_a_law_is_identified_on_a_structure(tmp_path: Path) -> None:
     for estimate, true in zip(found.estimates, (LAW["coefficient"], LAW["exponent"]), strict=True):
         assert estimate["value"] == pytest.approx(true, rel=2e-2)
     band = found.law_band
-    law = LAW["coefficient"] * band["pressure_pa"] ** LAW["exponent"]  # type: ignore[operator]
+    law = LAW["coefficient"] * band["pressure_pa"] ** LAW["exponent"]
     informed = band["informed"]
     assert informed.any()
     assert np.all((band["lower_pa_per_m"] < law)[informed] & (law < band["upper_pa_per_m"])[informed])
