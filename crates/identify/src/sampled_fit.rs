@@ -61,9 +61,10 @@ pub(super) fn sampled_fit(
         let Some(better) = found.better.take() else { break };
         problem.work.repeat();
         let start = found.own.clone().with_start(better);
-        let again = refit_with_progress(forward, &start, progress)
+        let again = refit_with_progress(forward, &start, progress).map(Fit::into_solution);
+        let again = again
             .map_err(IdentificationError::from)
-            .and_then(|own| at_held_steps(problem, forward, own.into_solution(), progress))
+            .and_then(|own| at_held_steps(problem, forward, own, progress))
             .and_then(|own| sampled_from(problem, (forward, about), own, unfinished, progress));
         match again {
             Ok(again) => found = again,
