@@ -76,7 +76,7 @@ pub(super) fn sampled_fit(
     Ok(found)
 }
 
-/// What follows from a fit.
+/// Uncertainty, profiles and posterior of a fit.
 fn sampled_from(
     problem: &IdentificationProblem,
     (forward, about): (&ScenarioModel, &[ObservationLabel]),

@@ -91,7 +91,7 @@ fn neighbouring_cells_meet() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// What a table of a sampled law gives is that law.
+    /// Tables of sampled laws give those laws.
     #[test]
     fn sampled_laws((_, law) in families::sample()) {
         if let Some(table) = RelativeTable::new(&*law, TOP) {
