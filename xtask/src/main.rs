@@ -19,6 +19,7 @@ mod ci;
 mod cluster;
 mod figures;
 mod fuzz;
+mod hexahedron;
 mod package;
 mod python;
 mod reproduce;

@@ -6,6 +6,8 @@ use std::path::Path;
 
 use anyhow::Result;
 
+use crate::hexahedron::{self, NODES};
+
 /// Lines of a grid along x, y and z \[m\].
 pub(crate) type Lines = [Vec<f64>; 3];
 
@@ -19,30 +21,6 @@ pub(crate) struct Material {
     /// Density \[kg/m3\].
     pub(crate) density: f64,
 }
-
-/// Corners and middles of edges of the element, in the order of C3D20.
-const NODES: [[f64; 3]; 20] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, -1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-    [0.0, -1.0, -1.0],
-    [1.0, 0.0, -1.0],
-    [0.0, 1.0, -1.0],
-    [-1.0, 0.0, -1.0],
-    [0.0, -1.0, 1.0],
-    [1.0, 0.0, 1.0],
-    [0.0, 1.0, 1.0],
-    [-1.0, 0.0, 1.0],
-    [-1.0, -1.0, 0.0],
-    [1.0, -1.0, 0.0],
-    [1.0, 1.0, 0.0],
-    [-1.0, 1.0, 0.0],
-];
 
 /// A block of elements between the lines of a grid.
 #[derive(Debug)]
@@ -195,75 +173,14 @@ impl Solid {
         Ok(deck)
     }
 
-    /// Stiffness \[N/m\], by node and axis, and mass of one axis \[kg\], by node, of an element: by 27 Gauss points.
+    /// Stiffness and mass of an element.
     fn element(&self, element: &[usize; 20]) -> (Vec<[f64; 60]>, Vec<[f64; 20]>) {
         let Material { youngs_modulus, poisson, density } = self.material;
-        let shear = 0.5 * youngs_modulus / (1.0 + poisson);
-        let lame = 2.0 * shear * poisson / (1.0 - 2.0 * poisson);
-        let (mut stiffness, mut mass) = (vec![[0.0; 60]; 60], vec![[0.0; 20]; 20]);
-        let far = 0.6_f64.sqrt();
-        let line = [(-far, 5.0 / 9.0), (0.0, 8.0 / 9.0), (far, 5.0 / 9.0)];
-        for (x, wx) in line {
-            for (y, wy) in line {
-                for (z, wz) in line {
-                    let (values, slopes) = shape([x, y, z]);
-                    // The elements are boxes: the axes of the element are the axes of space.
-                    let mut half = [0.0; 3];
-                    for (axis, half) in half.iter_mut().enumerate() {
-                        let along = |corner: usize| self.nodes[element[corner]][axis];
-                        *half = 0.5 * (along(6) - along(0));
-                    }
-                    let weight = wx * wy * wz * half.iter().product::<f64>();
-                    let gradient =
-                        |node: usize| [0, 1, 2].map(|axis| slopes[node][axis] / half[axis]);
-                    for a in 0..20 {
-                        let of_a = gradient(a);
-                        for b in 0..20 {
-                            let of_b = gradient(b);
-                            mass[a][b] += density * weight * values[a] * values[b];
-                            let dot: f64 = of_a.iter().zip(of_b).map(|(p, q)| p * q).sum();
-                            for i in 0..3 {
-                                for j in 0..3 {
-                                    let same = if i == j { dot } else { 0.0 };
-                                    stiffness[3 * a + i][3 * b + j] += weight
-                                        * (lame * of_a[i] * of_b[j]
-                                            + shear * (of_a[j] * of_b[i] + same));
-                                }
-                            }
-                        }
-                    }
-                }
-            }
-        }
-        (stiffness, mass)
+        hexahedron::element(
+            &element.map(|node| self.nodes[node]),
+            [youngs_modulus, poisson, density],
+        )
     }
-}
-
-/// The shape functions of the element and their derivatives at a place in it.
-fn shape(at: [f64; 3]) -> ([f64; 20], [[f64; 3]; 20]) {
-    let (mut values, mut slopes) = ([0.0; 20], [[0.0; 3]; 20]);
-    for (node, corner) in NODES.iter().enumerate() {
-        let factor = [0, 1, 2].map(|axis| 1.0 + at[axis] * corner[axis]);
-        match corner.iter().position(|c| *c == 0.0) {
-            None => {
-                let sum: f64 = (0..3).map(|axis| at[axis] * corner[axis]).sum();
-                values[node] = 0.125 * factor.iter().product::<f64>() * (sum - 2.0);
-                for axis in 0..3 {
-                    let [b, c] = [factor[(axis + 1) % 3], factor[(axis + 2) % 3]];
-                    slopes[node][axis] = 0.125 * corner[axis] * b * c * (sum - 2.0 + factor[axis]);
-                }
-            }
-            Some(middle) => {
-                let [p, q] = [(middle + 1) % 3, (middle + 2) % 3];
-                let flat = 1.0 - at[middle] * at[middle];
-                values[node] = 0.25 * flat * factor[p] * factor[q];
-                slopes[node][middle] = -0.5 * at[middle] * factor[p] * factor[q];
-                slopes[node][p] = 0.25 * flat * corner[p] * factor[q];
-                slopes[node][q] = 0.25 * flat * corner[q] * factor[p];
-            }
-        }
-    }
-    (values, slopes)
 }
 
 #[cfg(test)]
@@ -302,30 +219,6 @@ mod tests {
             let scale = 1e-6 * shear * volume;
             assert!((energy - density * volume).abs() < 1e-8 * scale, "{energy} {density}");
             assert!((mass - 7800.0 * volume).abs() < 1e-12);
-        }
-    }
-
-    /// Functions are one at their node, and derivatives agree with differences.
-    #[test]
-    fn shape_functions_interpolate() {
-        for (node, place) in NODES.iter().enumerate() {
-            let (values, _) = shape(*place);
-            for (other, value) in values.iter().enumerate() {
-                let expected = if node == other { 1.0 } else { 0.0 };
-                assert!((value - expected).abs() < 1e-14, "{node} {other}");
-            }
-        }
-        let (at, h) = ([0.3, -0.2, 0.6], 1e-6);
-        let (_, slopes) = shape(at);
-        for axis in 0..3 {
-            let [mut ahead, mut behind] = [at; 2];
-            ahead[axis] += h;
-            behind[axis] -= h;
-            let (ahead, behind) = (shape(ahead).0, shape(behind).0);
-            for node in 0..20 {
-                let slope = (ahead[node] - behind[node]) / (2.0 * h);
-                assert!((slope - slopes[node][axis]).abs() < 1e-8, "{node} {axis}");
-            }
         }
     }
 }

@@ -54,14 +54,11 @@ fn main() {
                 let changes = with(power(law), "/excitation/peak_n", 32.0 * moved(input));
                 let changes = changes.as_array().unwrap().clone();
                 let changes = with(changes, "/damping/ratio", 0.035 * moved(input));
-                let views: Vec<Value> =
-                    views.iter().map(|view| json!({ "view": view, "width": 460 })).collect();
-                json!({ "tab": "bench", "part": part, "views": views, "changes": changes,
-                        "settings": { "amplitudes": [shaken] } })
+                asked(part, &views, &changes, ("bench", shaken))
             };
             let (mut drawn, mut ended, mut spent) = (Vec::new(), Vec::new(), [0.0; 2]);
             for input in 0..INPUTS {
-                let times = answer(&url, &ask(input).to_string());
+                let times = answer(&url, &ask(input));
                 drawn.push(times.drawn);
                 ended.push(times.ended);
                 spent = [0, 1].map(|at| spent[at] + times.processor[at] / INPUTS as f64);
@@ -103,7 +100,7 @@ fn random_inputs(url: &str) {
         ]);
         for ((part, views), open) in parts.iter().zip(&mut open) {
             // The page gives up the answer before.
-            *open = Some(send(url, &asked("random", part, views, &last)));
+            *open = Some(send(url, &asked(part, views, &last, ("random", 0.6))));
         }
         if input == RANDOM_INPUTS / 10 {
             before = memory();
@@ -117,19 +114,19 @@ fn random_inputs(url: &str) {
         println!("memory after a tenth of them {before:.0} MB, after all {after:.0} MB");
     }
     for (part, views) in &parts {
-        let [own, alone] =
-            ["random", "alone"].map(|tab| answer(url, &asked(tab, part, views, &last)).pictures);
+        let [own, alone] = ["random", "alone"]
+            .map(|tab| answer(url, &asked(part, views, &last, (tab, 0.6))).pictures);
         assert!(!own.is_empty() && own == alone, "{part}");
     }
     println!("the last answers are those to the same questions alone");
 }
 
-/// A question of a page.
-fn asked(tab: &str, part: &str, views: &[&str], changes: &Value) -> String {
+/// A question of a page about a part, with the amplitude of a shaker \[N\].
+fn asked(part: &str, views: &[&str], changes: &Value, (tab, shaken): (&str, f64)) -> String {
     let views: Vec<Value> =
         views.iter().map(|view| json!({ "view": view, "width": 460 })).collect();
     json!({ "tab": tab, "part": part, "views": views, "changes": changes,
-            "settings": { "amplitudes": [0.6] } })
+            "settings": { "amplitudes": [shaken] } })
     .to_string()
 }
 

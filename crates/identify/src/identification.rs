@@ -16,7 +16,6 @@ use crate::explanations::{Explanation, Unexplained};
 use crate::given_numbers::{GivenNumber, GivenNumbers, RigidSupport};
 use crate::hit_numerics::{FeatureErrors, HitNumerics};
 use crate::identification_problem::IdentificationProblem;
-use crate::incomplete::Unfinished;
 use crate::latent_sampling::FreeLawFindings;
 use crate::law_band::{ComparedForm, LawBand, StiffnessEstimate, check_pressures};
 use crate::law_comparison::{Compared, candidates, compare_laws};
@@ -24,6 +23,7 @@ use crate::observed_quantity::ObservedQuantity;
 use crate::problem::ParameterSpec;
 use crate::sampled_fit::{SampledFit, sampled_fit};
 use crate::scenario_model::ScenarioModel;
+use crate::unfinished::Unfinished;
 use crate::work::{Work, WorkStage};
 use asperity_scenario::Laws;
 use asperity_simulation::provenance::InputFile;
@@ -195,7 +195,7 @@ pub fn identify_with_progress(
         in_steps: each(&|parameter| forward.parameters.is_of_monotone_law(parameter)),
         stiffnesses: drawn.stiffnesses,
         laws,
-        observations: observations.clone(),
+        observations,
         identifiability: linearisation.identifiability()?,
         fit: best,
         linearisation,

@@ -87,6 +87,7 @@ mod stepped_sine;
 mod structure_hits;
 #[cfg(test)]
 mod tests;
+mod unfinished;
 mod work;
 
 pub use analysed_hits::{MeasuredHits, measured_hits};

@@ -12,10 +12,10 @@ use crate::correlation::correlation_factor;
 use crate::error::IdentificationError;
 use crate::hit_numerics::{FeatureErrors, HitNumerics, numerics_at};
 use crate::identification_problem::IdentificationProblem;
-use crate::incomplete::Unfinished;
 use crate::latent_sampling::{FreeLawFindings, posterior_of, profiles};
 use crate::problem::NoiseSpec;
 use crate::scenario_model::ScenarioModel;
+use crate::unfinished::Unfinished;
 use crate::work::{WorkStage, expected_of_explanations};
 
 /// Relative reduction of the cost at which a fit with latents has converged: an error of a thousandth in chi-square is far below its spread.

@@ -10,13 +10,9 @@ use crate::fit_options::FitOptions;
 use crate::fit_problem::FitProblem;
 use crate::model::{ForwardModel, Predictions};
 use crate::parameter::Parameter;
-use crate::posterior::Posterior;
 use crate::progress::{NO_PROGRESS, ProgressCallback, Stage};
 use crate::random::latin_hypercube;
 use crate::search::{FitTermination, Known, Search, run};
-
-/// Fall of the cost from which a minimum is another one.
-const LOWER: f64 = 0.5;
 
 /// The search from one start.
 #[derive(Debug, Clone, PartialEq)]
@@ -181,25 +177,6 @@ impl<'m> Fit<'m> {
             ..self.solution.clone()
         };
         Some(Self { problem: self.problem.clone(), progress: self.progress, solution })
-    }
-
-    /// The draw of least cost, if it is lower than the cost of the fit by more than half, a standard deviation along any
-    /// direction: the search then ended in a minimum that is not the lowest. Draws without a prediction that the fit has do
-    /// not count.
-    pub fn better_draw<'p>(&self, posterior: &'p Posterior) -> Option<&'p [f64]> {
-        let cost = |(draw, predictions): (&'p Vec<f64>, &Predictions)| {
-            let has_all = predictions.len() == self.predictions.len()
-                && predictions
-                    .iter()
-                    .zip(&self.predictions)
-                    .all(|(a, b)| a.is_some() || b.is_none());
-            let x = self.problem.to_working(draw);
-            let cost = self.problem.cost(&self.problem.residuals(predictions), &x);
-            has_all.then_some((draw, cost))
-        };
-        let costs = posterior.draws.iter().zip(&posterior.predictions).filter_map(cost);
-        let (draw, least) = costs.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        (least < self.cost - LOWER).then_some(draw)
     }
 
     /// Working coordinates of the optimum.

@@ -25,6 +25,9 @@ pub use summary::{CredibleBand, Posterior};
 /// Share of a profile's interval that draws may leave out.
 const MAX_LEFT_OUT: f64 = 0.25;
 
+/// Fall of the cost from which a minimum is another one.
+const LOWER: f64 = 0.5;
+
 impl Fit<'_> {
     /// Samples `exp(-cost(x))` in working coordinates within the bounds: the loss gives the
     /// likelihood (a pseudo-likelihood unless squared) and the priors count; the observations'
@@ -85,6 +88,25 @@ impl Fit<'_> {
         }?;
         found.diagnostics.truncated = truncated(&found, profiles);
         Ok(found)
+    }
+
+    /// The draw of least cost, if it is lower than the cost of the fit by more than half, a standard deviation along any
+    /// direction: the search then ended in a minimum that is not the lowest. Draws without a prediction that the fit has do
+    /// not count.
+    pub fn better_draw<'p>(&self, posterior: &'p Posterior) -> Option<&'p [f64]> {
+        let cost = |(draw, predictions): (&'p Vec<f64>, &Predictions)| {
+            let has_all = predictions.len() == self.predictions.len()
+                && predictions
+                    .iter()
+                    .zip(&self.predictions)
+                    .all(|(a, b)| a.is_some() || b.is_none());
+            let x = self.problem.to_working(draw);
+            let cost = self.problem.cost(&self.problem.residuals(predictions), &x);
+            has_all.then_some((draw, cost))
+        };
+        let costs = posterior.draws.iter().zip(&posterior.predictions).filter_map(cost);
+        let (draw, least) = costs.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        (least < self.cost - LOWER).then_some(draw)
     }
 }
 

@@ -5,32 +5,10 @@ use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
+use crate::hexahedron;
+
 /// A degree of freedom: node, and axis from one.
 pub(crate) type Freedom = (u32, u32);
-
-/// Corners and middles of edges of the element, in the order of C3D20.
-const NODES: [[f64; 3]; 20] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, -1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-    [0.0, -1.0, -1.0],
-    [1.0, 0.0, -1.0],
-    [0.0, 1.0, -1.0],
-    [-1.0, 0.0, -1.0],
-    [0.0, -1.0, 1.0],
-    [1.0, 0.0, 1.0],
-    [0.0, 1.0, 1.0],
-    [-1.0, 0.0, 1.0],
-    [-1.0, -1.0, 0.0],
-    [1.0, -1.0, 0.0],
-    [1.0, 1.0, 0.0],
-    [-1.0, 1.0, 0.0],
-];
 
 /// Nodes, elements and equations of a deck, of one material.
 pub(crate) struct Bricks {
@@ -107,7 +85,8 @@ impl Bricks {
         // Columns of the upper triangle.
         let mut columns: Vec<BTreeMap<usize, [f64; 2]>> = vec![BTreeMap::new(); freedoms.len()];
         for element in &self.elements {
-            let (stiffness, mass) = self.element(element);
+            let places = element.map(|node| self.nodes[&node]);
+            let (stiffness, mass) = hexahedron::element(&places, self.material);
             let own: Vec<Vec<(usize, f64)>> =
                 (0..60).map(|a| terms((element[a / 3], a as u32 % 3 + 1))).collect();
             for (a, rows) in own.iter().enumerate() {
@@ -142,87 +121,4 @@ impl Bricks {
         }
         traces
     }
-
-    /// Stiffness \[N/m\], by node and axis, and mass of one axis \[kg\], by node, of an element: by 27 Gauss points.
-    fn element(&self, element: &[u32; 20]) -> (Vec<[f64; 60]>, Vec<[f64; 20]>) {
-        let [modulus, poisson, density] = self.material;
-        let shear = 0.5 * modulus / (1.0 + poisson);
-        let lame = 2.0 * shear * poisson / (1.0 - 2.0 * poisson);
-        let places = element.map(|node| self.nodes[&node]);
-        let (mut stiffness, mut mass) = (vec![[0.0; 60]; 60], vec![[0.0; 20]; 20]);
-        let far = 0.6_f64.sqrt();
-        let line = [(-far, 5.0 / 9.0), (0.0, 8.0 / 9.0), (far, 5.0 / 9.0)];
-        for (x, wx) in line {
-            for (y, wy) in line {
-                for (z, wz) in line {
-                    let (values, slopes) = shape([x, y, z]);
-                    let mut jacobian = [[0.0; 3]; 3];
-                    for (place, slope) in places.iter().zip(&slopes) {
-                        for i in 0..3 {
-                            for j in 0..3 {
-                                jacobian[i][j] += slope[i] * place[j];
-                            }
-                        }
-                    }
-                    let (inverse, determinant) = inverted(jacobian);
-                    assert!(determinant > 0.0, "an element is turned inside out");
-                    let weight = wx * wy * wz * determinant;
-                    let gradients = slopes.map(|slope| {
-                        [0, 1, 2].map(|i| (0..3).map(|j| inverse[i][j] * slope[j]).sum::<f64>())
-                    });
-                    for (a, of_a) in gradients.iter().enumerate() {
-                        for (b, of_b) in gradients.iter().enumerate() {
-                            mass[a][b] += density * weight * values[a] * values[b];
-                            let dot: f64 = of_a.iter().zip(of_b).map(|(p, q)| p * q).sum();
-                            for i in 0..3 {
-                                for j in 0..3 {
-                                    let same = if i == j { dot } else { 0.0 };
-                                    stiffness[3 * a + i][3 * b + j] += weight
-                                        * (lame * of_a[i] * of_b[j]
-                                            + shear * (of_a[j] * of_b[i] + same));
-                                }
-                            }
-                        }
-                    }
-                }
-            }
-        }
-        (stiffness, mass)
-    }
-}
-
-/// The inverse of a matrix, and its determinant.
-fn inverted(a: [[f64; 3]; 3]) -> ([[f64; 3]; 3], f64) {
-    let minor = |i: usize, j: usize| {
-        let [p, q] = [(i + 1) % 3, (i + 2) % 3];
-        let [r, s] = [(j + 1) % 3, (j + 2) % 3];
-        a[p][r] * a[q][s] - a[p][s] * a[q][r]
-    };
-    let determinant: f64 = (0..3).map(|j| a[0][j] * minor(0, j)).sum();
-    let inverse = [0, 1, 2].map(|i| [0, 1, 2].map(|j| minor(j, i) / determinant));
-    (inverse, determinant)
-}
-
-/// The shape functions of the element and their derivatives at a place in it.
-fn shape(at: [f64; 3]) -> ([f64; 20], [[f64; 3]; 20]) {
-    let (mut values, mut slopes) = ([0.0; 20], [[0.0; 3]; 20]);
-    for (node, corner) in NODES.iter().enumerate() {
-        let factor = [0, 1, 2].map(|axis| 1.0 + at[axis] * corner[axis]);
-        if let Some(middle) = corner.iter().position(|c| *c == 0.0) {
-            let [p, q] = [(middle + 1) % 3, (middle + 2) % 3];
-            let flat = 1.0 - at[middle] * at[middle];
-            values[node] = 0.25 * flat * factor[p] * factor[q];
-            slopes[node][middle] = -0.5 * at[middle] * factor[p] * factor[q];
-            slopes[node][p] = 0.25 * flat * corner[p] * factor[q];
-            slopes[node][q] = 0.25 * flat * corner[q] * factor[p];
-        } else {
-            let sum: f64 = (0..3).map(|axis| at[axis] * corner[axis]).sum();
-            values[node] = 0.125 * factor.iter().product::<f64>() * (sum - 2.0);
-            for axis in 0..3 {
-                let [b, c] = [factor[(axis + 1) % 3], factor[(axis + 2) % 3]];
-                slopes[node][axis] = 0.125 * corner[axis] * b * c * (sum - 2.0 + factor[axis]);
-            }
-        }
-    }
-    (values, slopes)
 }

@@ -2,6 +2,9 @@
 #![allow(clippy::print_stderr, reason = "a test without its data says that it was skipped")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
+#[path = "../../../../xtask/src/hexahedron.rs"]
+mod hexahedron;
+
 mod accuracy;
 mod bars_and_matrices;
 mod brake_reuss;
