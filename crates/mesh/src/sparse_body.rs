@@ -169,23 +169,29 @@ fn times_some<const N: usize>(
             *value = vectors[(row, first + k)];
         }
     }
-    for column in 0..size {
-        let at = from[column];
-        let mut sums = [0.0; N];
-        for (row, value) in entries(lower, column) {
-            if row != column {
-                for (sum, x) in sums.iter_mut().zip(&from[row]) {
-                    *sum += value * x;
+    // Plain loops, compiled for the vector instructions of the processor.
+    pulp::Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            for column in 0..size {
+                let at = from[column];
+                let mut sums = [0.0; N];
+                for (row, value) in entries(lower, column) {
+                    if row != column {
+                        for (sum, x) in sums.iter_mut().zip(&from[row]) {
+                            *sum += value * x;
+                        }
+                    }
+                    for (y, x) in into[row].iter_mut().zip(&at) {
+                        *y += value * x;
+                    }
+                }
+                for (y, sum) in into[column].iter_mut().zip(&sums) {
+                    *y += sum;
                 }
             }
-            for (y, x) in into[row].iter_mut().zip(&at) {
-                *y += value * x;
-            }
-        }
-        for (y, sum) in into[column].iter_mut().zip(&sums) {
-            *y += sum;
-        }
-    }
+        },
+    );
     for k in 0..count {
         for (row, values) in into.iter().enumerate() {
             product[(row, first + k)] = values[k];

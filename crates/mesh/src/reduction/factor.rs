@@ -3,16 +3,18 @@
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::perm::Perm;
+use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
-use faer::{Conj, Mat, Par, Side, Spec};
+use faer::{Conj, Mat, MatMut, Par, Side, Spec};
 
 use super::dissection;
+use super::supernodes::{self, SIDES};
 use crate::{MeshError, SparseBody};
 
-/// Columns that are solved for at once: more take more memory and little less time.
+/// Most columns that are solved for at once: more take more memory and little less time.
 const AT_ONCE: usize = 32;
 
 /// `K + shift M = L L^T`.
@@ -72,20 +74,52 @@ impl Factor {
         }
     }
 
-    /// Replaces the columns of `right` by the solutions for them.
+    /// Replaces the columns of `right` by the solutions for them. Pieces of many columns are solved for side by
+    /// side; they depend on the number of columns alone, and so do the results.
     pub(super) fn solve(&self, right: &mut Mat<f64>) {
         let columns = right.ncols();
-        let scratch = self.symbolic.solve_in_place_scratch::<f64>(AT_ONCE.min(columns), Par::Seq);
+        let piece = if columns > SIDES { AT_ONCE.min(columns.div_ceil(2)) } else { SIDES };
+        self.solve_pieces(right.as_mut(), piece);
+    }
+
+    fn solve_pieces(&self, right: MatMut<'_, f64>, piece: usize) {
+        let pieces = right.ncols().div_ceil(piece);
+        if pieces > 1 {
+            let (left, right) = right.split_at_col_mut(pieces / 2 * piece);
+            rayon::join(|| self.solve_pieces(left, piece), || self.solve_pieces(right, piece));
+            return;
+        }
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Supernodal(symbolic) if right.ncols() <= SIDES => {
+                self.solve_few(SupernodalLltRef::new(symbolic, &self.values), right);
+            }
+            _ => self.solve_many(right),
+        }
+    }
+
+    fn solve_many(&self, right: MatMut<'_, f64>) {
+        let scratch = self.symbolic.solve_in_place_scratch::<f64>(right.ncols(), Par::Seq);
         let mut buffer = MemBuffer::new(scratch);
         let factor = LltRef::new(&self.symbolic, &self.values);
-        for start in (0..columns).step_by(AT_ONCE) {
-            let count = AT_ONCE.min(columns - start);
-            factor.solve_in_place_with_conj(
-                Conj::No,
-                right.as_mut().subcols_mut(start, count),
-                Par::Seq,
-                MemStack::new(&mut buffer),
-            );
+        factor.solve_in_place_with_conj(Conj::No, right, Par::Seq, MemStack::new(&mut buffer));
+    }
+
+    /// Solves for at most [`SIDES`] columns.
+    fn solve_few(&self, factor: SupernodalLltRef<'_, usize, f64>, mut right: MatMut<'_, f64>) {
+        let columns = right.ncols();
+        let order = self.symbolic.perm().map(|perm| perm.arrays().0);
+        let place = |row: usize| order.map_or(row, |order| order[row]);
+        let mut rows = vec![[0.0; SIDES]; right.nrows()];
+        for (number, row) in rows.iter_mut().enumerate() {
+            for (column, value) in row.iter_mut().enumerate().take(columns) {
+                *value = right[(place(number), column)];
+            }
+        }
+        supernodes::solve(factor, &mut rows);
+        for (number, row) in rows.iter().enumerate() {
+            for (column, value) in row.iter().enumerate().take(columns) {
+                right[(place(number), column)] = *value;
+            }
         }
     }
 }

@@ -9,13 +9,17 @@
 //! Source: G. H. Golub, R. Underwood, The block Lanczos method for computing eigenvalues, Mathematical
 //! Software III, 1977, 361.
 
-use faer::{Mat, Side};
+use std::ops::{AddAssign, Range};
+
+use faer::{Mat, MatRef, Side};
 
 use super::factor::Factor;
+use super::supernodes::SIDES;
 use crate::{MeshError, SparseBody};
 
-/// Vectors of a block: more than the rigid motions of a body.
-const BLOCK: usize = 8;
+/// Vectors of a block: more than the rigid motions of a body. Larger blocks need more vectors in all, and the
+/// solutions for these are as fast as the factor is read.
+const BLOCK: usize = SIDES;
 
 /// Residual of a converged vector over its eigenvalue.
 const CONVERGED: f64 = 1e-10;
@@ -29,6 +33,10 @@ const CONFIRMED: f64 = 1e-9;
 /// Share of a vector's length, after its projection on others is taken off, below which nothing is left
 /// of it.
 const NOTHING_LEFT: f64 = 1e-10;
+
+/// Share of a vector's length, after its projection on others of its block is taken off, from which on the image is as exact as
+/// the vector.
+const MUCH_LEFT: f64 = 0.1;
 
 /// Most vectors of the iteration: so many, and twice the wanted modes.
 const MOST_VECTORS: usize = 1000;
@@ -47,12 +55,34 @@ struct Krylov<'a> {
     known: Mat<f64>,
     known_images: Mat<f64>,
     /// Vectors, and their images under M: the parts of others along them need no product with M.
-    basis: Mat<f64>,
-    images: Mat<f64>,
+    basis: Columns,
+    images: Columns,
+    /// The first vector that the next image may have a part along by more than rounding.
+    coupled_from: usize,
+    /// True once a random block is in the place of one that the iteration gave.
+    is_restarted: bool,
     /// Most vectors of the basis.
     most: usize,
     projected: Mat<f64>,
     random: Random,
+}
+
+/// Columns in one piece of memory, which grows without being copied each time.
+struct Columns {
+    size: usize,
+    values: Vec<f64>,
+}
+
+impl Columns {
+    fn all(&self) -> MatRef<'_, f64> {
+        MatRef::from_column_major_slice(&self.values, self.size, self.values.len() / self.size)
+    }
+
+    fn append(&mut self, columns: &Mat<f64>) {
+        for column in columns.col_iter() {
+            self.values.extend(column.iter());
+        }
+    }
 }
 
 /// Blocks by which rigid motions are found.
@@ -69,73 +99,22 @@ pub(super) fn lowest(
     (shift, rigid): (f64, f64),
     wanted: usize,
 ) -> Result<Eigenpairs, MeshError> {
-    let size = body.size();
-    let mut known = Mat::zeros(size, 0);
-    let mut first;
-    // Rigid motions, as many blocks of them as there are.
+    let mut known = Mat::zeros(body.size(), 0);
     loop {
-        let mut krylov = Krylov::new(body, factor, known, RIGID_BLOCKS * BLOCK);
-        let start = krylov.random_block(BLOCK.min(krylov.room()));
-        krylov.iterate(start);
-        if krylov.count() == 0 {
-            return Ok(Eigenpairs::rigid(krylov.known));
-        }
-        let found = krylov.ritz(shift)?;
-        if found.squares[0] < -rigid {
-            let problem = "not positive semidefinite";
-            return Err(MeshError::Matrix { matrix: "stiffness", problem });
-        }
-        let new = found.squares.iter().filter(|square| **square <= rigid).count();
-        let elastic = found.squares.len() - new;
-        first = krylov.shapes(&found.vectors, new, BLOCK.min(elastic));
-        if new == 0 {
-            known = krylov.known;
-            break;
-        }
-        // An inverse iteration takes off what the vectors have of other modes.
-        let rigid_shapes = krylov.shapes(&found.vectors, 0, new);
-        let mut improved = body.mass_times(rigid_shapes.as_ref());
-        factor.solve(&mut improved);
-        let lengths = krylov.lengths(&improved);
-        (krylov.basis, krylov.images) = (Mat::zeros(size, 0), Mat::zeros(size, 0));
-        krylov.take_off(&mut improved);
-        let (improved, _) = krylov.orthonormal(&improved, &lengths, new);
-        known = beside(&krylov.known, &improved.vectors);
-        if improved.count() == 0 {
-            break;
+        let elastic = wanted.saturating_sub(known.ncols()).max(1);
+        let mut krylov = Krylov::new(body, factor, known, 2 * elastic + MOST_VECTORS);
+        match krylov.lowest(shift, rigid, elastic)? {
+            Found::Modes(pairs) => return Ok(pairs),
+            Found::Rigid(rigid) => known = beside(&krylov.known, &rigid),
         }
     }
-    let rigid_count = known.ncols();
-    let elastic = wanted.saturating_sub(rigid_count).max(1).min(size - rigid_count);
-    let most = (2 * elastic + MOST_VECTORS).min(size - rigid_count);
-    let mut krylov = Krylov::new(body, factor, known, most);
-    let mut last: Option<Vec<f64>> = None;
-    // The first vectors are orthonormal among themselves, not yet to all that is known.
-    let lengths = krylov.lengths(&first);
-    krylov.take_off(&mut first);
-    let (mut block, _) = krylov.orthonormal(&first, &lengths, BLOCK.min(most));
-    while block.count() > 0 {
-        let (next, couplings) = krylov.extend(&block);
-        let found = krylov.ritz(shift)?;
-        block = next;
-        if krylov.count() < elastic || !found.is_converged(elastic, &couplings) {
-            continue;
-        }
-        let values = &found.values[..elastic];
-        let same = |(a, b): (&f64, &f64)| (a - b).abs() <= CONFIRMED * a.abs();
-        if last.is_some_and(|last| last.iter().zip(values).all(same)) {
-            return Ok(krylov.eigenpairs(&found, elastic));
-        }
-        last = Some(values.to_vec());
-        block = krylov.random_block(BLOCK.min(krylov.room()));
-    }
-    if krylov.room() == 0 && most < size - rigid_count {
-        let problem = "without converging eigenvalues";
-        return Err(MeshError::Matrix { matrix: "stiffness", problem });
-    }
-    // The basis holds every motion with mass.
-    let found = krylov.ritz(shift)?;
-    Ok(krylov.eigenpairs(&found, elastic.min(krylov.count())))
+}
+
+/// What an iteration ended with.
+enum Found {
+    Modes(Eigenpairs),
+    /// Shapes of rigid motions, which are to be kept out of another iteration.
+    Rigid(Mat<f64>),
 }
 
 /// The columns of `left`, and after them the columns of `right`.
@@ -184,16 +163,18 @@ impl Block {
         self.vectors.ncols()
     }
 
-    /// Takes the part along the first `done` columns off `vector`, twice, and adds it to a column of coordinates.
+    /// Takes the part along the first `done` columns off `vector` and its `image`, twice, and adds it to a
+    /// column of coordinates.
     fn take_off(
         &self,
-        vector: &mut Mat<f64>,
+        (vector, image): (&mut Mat<f64>, &mut Mat<f64>),
         done: usize,
         mut coordinates: Option<(&mut Mat<f64>, usize)>,
     ) {
         for _ in 0..2 {
             let along = self.images.subcols(0, done).transpose() * &*vector;
             *vector -= self.vectors.subcols(0, done) * &along;
+            *image -= self.images.subcols(0, done) * &along;
             if let Some((coordinates, column)) = &mut coordinates {
                 for row in 0..done {
                     coordinates[(row, *column)] += along[(row, 0)];
@@ -217,17 +198,85 @@ impl<'a> Krylov<'a> {
             factor,
             known_images: body.mass_times(known.as_ref()),
             known,
-            basis: Mat::zeros(body.size(), 0),
-            images: Mat::zeros(body.size(), 0),
+            basis: Columns { size: body.size(), values: Vec::new() },
+            images: Columns { size: body.size(), values: Vec::new() },
+            coupled_from: 0,
+            is_restarted: false,
             most,
             projected: Mat::zeros(most, most),
             random: Random(0x9e37_79b9_7f4a_7c15),
         }
     }
 
+    /// The known modes and the `elastic` lowest others, or rigid motions that are not known yet.
+    fn lowest(&mut self, shift: f64, rigid: f64, elastic: usize) -> Result<Found, MeshError> {
+        let elastic = elastic.min(self.most);
+        let mut block = self.random_block(BLOCK);
+        let mut last: Option<Vec<f64>> = None;
+        let mut blocks = 0;
+        while block.count() > 0 {
+            let (next, couplings) = self.extend(&block);
+            block = next;
+            blocks += 1;
+            let is_last = block.count() == 0;
+            if blocks == RIGID_BLOCKS || (is_last && blocks < RIGID_BLOCKS) {
+                let found = self.ritz(shift)?;
+                if found.squares[0] < -rigid {
+                    let problem = "not positive semidefinite";
+                    return Err(MeshError::Matrix { matrix: "stiffness", problem });
+                }
+                let count = found.squares.iter().filter(|square| **square <= rigid).count();
+                let motions = self.rigid_motions(&found, count);
+                if motions.ncols() > 0 {
+                    return Ok(Found::Rigid(motions));
+                }
+            }
+            if self.count() < elastic || is_last {
+                continue;
+            }
+            let found = self.ritz(shift)?;
+            if !found.is_converged(elastic, &couplings) {
+                continue;
+            }
+            let values = &found.values[..elastic];
+            let same = |(a, b): (&f64, &f64)| (a - b).abs() <= CONFIRMED * a.abs();
+            if last.is_some_and(|last| last.iter().zip(values).all(same)) {
+                return Ok(Found::Modes(self.eigenpairs(&found, elastic)));
+            }
+            last = Some(values.to_vec());
+            (self.is_restarted, self.coupled_from) = (true, 0);
+            block = self.random_block(BLOCK);
+        }
+        if self.count() == 0 {
+            let known = std::mem::replace(&mut self.known, Mat::zeros(0, 0));
+            return Ok(Found::Modes(Eigenpairs::rigid(known)));
+        }
+        if self.room() == 0 && self.most < self.body.size() - self.known.ncols() {
+            let problem = "without converging eigenvalues";
+            return Err(MeshError::Matrix { matrix: "stiffness", problem });
+        }
+        // The basis holds every motion with mass.
+        let found = self.ritz(shift)?;
+        Ok(Found::Modes(self.eigenpairs(&found, elastic.min(self.count()))))
+    }
+
+    /// The first `count` vectors of the basis after an inverse iteration, which takes off what they have of other
+    /// modes, without known ones.
+    fn rigid_motions(&mut self, found: &Ritz, count: usize) -> Mat<f64> {
+        if count == 0 {
+            return Mat::zeros(self.body.size(), 0);
+        }
+        let shapes = self.shapes(&found.vectors, 0, count);
+        let mut improved = self.body.mass_times(shapes.as_ref());
+        self.factor.solve(&mut improved);
+        let lengths = self.lengths(&improved);
+        self.take_off(&mut improved, 0..0);
+        self.orthonormal(&improved, &lengths, count).0.vectors
+    }
+
     /// Number of vectors in the basis.
     fn count(&self) -> usize {
-        self.basis.ncols()
+        self.basis.all().ncols()
     }
 
     /// Number of vectors that the basis has room for.
@@ -235,38 +284,37 @@ impl<'a> Krylov<'a> {
         self.most - self.count()
     }
 
-    /// Fills the basis from a first block.
-    fn iterate(&mut self, mut block: Block) {
-        while block.count() > 0 {
-            (block, _) = self.extend(&block);
-        }
-    }
-
     /// Takes `block`, orthonormal and orthogonal to the basis, into the basis. The next block, and its
     /// couplings to this one, by which the basis is no invariant space.
     fn extend(&mut self, Block { vectors, images }: &Block) -> (Block, Mat<f64>) {
         let (from, added) = (self.count(), vectors.ncols());
-        let size = self.body.size();
-        self.basis.resize_with(size, from + added, |row, column| vectors[(row, column - from)]);
-        self.images.resize_with(size, from + added, |row, column| images[(row, column - from)]);
+        self.basis.append(vectors);
+        self.images.append(images);
         let mut image = images.clone();
         self.factor.solve(&mut image);
         let lengths = self.lengths(&image);
-        let mut along = Mat::zeros(self.count(), added);
-        for _ in 0..2 {
-            along += self.take_off(&mut image);
+        // The image has parts along the last two blocks, and by rounding along others.
+        let coupled = self.coupled_from..from + added;
+        let mut along = Mat::zeros(from + added, added);
+        for range in [coupled, 0..from + added] {
+            along
+                .subrows_mut(range.start, range.len())
+                .add_assign(self.take_off(&mut image, range));
         }
         self.projected.submatrix_mut(0, from, from + added, added).copy_from(&along);
+        self.coupled_from = if self.is_restarted { 0 } else { from };
         let room = self.room();
         self.orthonormal(&image, &lengths, room)
     }
 
-    /// Takes the parts along known modes and the basis off the columns of `vectors`, and returns the second.
-    fn take_off(&self, vectors: &mut Mat<f64>) -> Mat<f64> {
+    /// Takes the parts along known modes and vectors of the basis off the columns of `vectors`, and returns
+    /// the second.
+    fn take_off(&self, vectors: &mut Mat<f64>, basis: Range<usize>) -> Mat<f64> {
         let known = self.known_images.transpose() * &*vectors;
         *vectors -= &self.known * known;
-        let along = self.images.transpose() * &*vectors;
-        *vectors -= &self.basis * &along;
+        let (from, count) = (basis.start, basis.len());
+        let along = self.images.all().subcols(from, count).transpose() * &*vectors;
+        *vectors -= self.basis.all().subcols(from, count) * &along;
         along
     }
 
@@ -283,23 +331,31 @@ impl<'a> Krylov<'a> {
         let zeros = || Mat::zeros(size, given.min(room));
         let mut block = Block { vectors: zeros(), images: zeros() };
         let mut coordinates = Mat::zeros(given.min(room), given);
+        let images = self.body.mass_times(vectors.as_ref());
         let mut done = 0;
         for column in 0..given {
-            let mut vector = vectors.subcols(column, 1).to_owned();
-            block.take_off(&mut vector, done, Some((&mut coordinates, column)));
+            let [mut vector, mut image] =
+                [vectors, &images].map(|all| all.subcols(column, 1).to_owned());
+            let before = length_of(&vector, &image);
+            let pair = (&mut vector, &mut image);
+            block.take_off(pair, done, Some((&mut coordinates, column)));
             if done == block.count() {
                 continue;
             }
-            let mut image = self.body.mass_times(vector.as_ref());
             let mut length = length_of(&vector, &image);
+            if length < MUCH_LEFT * before {
+                // The rounding of what was taken off would be large in what is left.
+                image = self.body.mass_times(vector.as_ref());
+                length = length_of(&vector, &image);
+            }
             if length > NOTHING_LEFT * lengths[column] {
                 coordinates[(done, column)] = length;
             } else {
                 vector = self.random_image(1);
                 let before = self.lengths(&vector)[0];
                 for _ in 0..2 {
-                    self.take_off(&mut vector);
-                    block.take_off(&mut vector, done, None);
+                    self.take_off(&mut vector, 0..self.count());
+                    block.take_off((&mut vector, &mut image), done, None);
                 }
                 image = self.body.mass_times(vector.as_ref());
                 length = length_of(&vector, &image);
@@ -327,10 +383,11 @@ impl<'a> Krylov<'a> {
 
     /// At most `count` random vectors, orthonormal and orthogonal to the basis.
     fn random_block(&mut self, count: usize) -> Block {
+        let count = count.min(self.room());
         let mut block = self.random_image(count);
         let lengths = self.lengths(&block);
         for _ in 0..2 {
-            self.take_off(&mut block);
+            self.take_off(&mut block, 0..self.count());
         }
         self.orthonormal(&block, &lengths, count).0
     }
@@ -353,7 +410,7 @@ impl<'a> Krylov<'a> {
 
     /// Shapes of `count` vectors from the vector `from` on.
     fn shapes(&self, vectors: &Mat<f64>, from: usize, count: usize) -> Mat<f64> {
-        &self.basis * vectors.subcols(from, count)
+        self.basis.all() * vectors.subcols(from, count)
     }
 
     /// Eigenvalues and vectors of the projected operator.
