@@ -3,6 +3,7 @@
 mod dissection;
 mod factor;
 mod lanczos;
+mod projection;
 mod supernodes;
 
 use faer::{Mat, Scale};
@@ -250,8 +251,9 @@ impl Shifted<'_> {
         }
         self.factor.solve(&mut left);
         let clear = |vectors: &mut Mat<f64>| {
-            let rest = shapes.transpose() * self.body.mass_times(vectors.as_ref());
-            *vectors -= shapes * rest;
+            let images = self.body.mass_times(vectors.as_ref());
+            let along = projection::along(shapes.as_ref(), images.as_ref());
+            projection::take_off(vectors.as_mut(), shapes.as_ref(), along.as_ref());
         };
         clear(&mut left);
         let read = |pattern: &PortPattern, column: usize| -> f64 {
@@ -265,13 +267,13 @@ impl Shifted<'_> {
             let columns = AT_ONCE.min(count - start);
             let mut images = self.body.mass_times(left.subcols(start, columns));
             let rest = left.subcols(start, count - start);
-            let mut terms = rest.transpose() * &images * Scale(self.shift);
+            let mut terms = projection::along(rest, images.as_ref()) * Scale(self.shift);
             // The first term is the solution itself, the second the one above.
             for power in 2..terms_needed {
                 self.factor.solve(&mut images);
                 clear(&mut images);
                 images = self.body.mass_times(images.as_ref());
-                terms += rest.transpose() * &images * Scale(self.shift.powi(power));
+                terms += projection::along(rest, images.as_ref()) * Scale(self.shift.powi(power));
             }
             for column in 0..columns {
                 for row in column..count - start {

@@ -3,8 +3,8 @@
 //! Every block is made orthogonal, in the product with M, to all before it, twice; the modes are the
 //! Rayleigh-Ritz vectors in the space of all blocks. Rigid motions, whose eigenvalue `1 / s` is far above
 //! all others, are found first and kept out of the iteration: their rounding would be larger than
-//! the others. When the wanted modes have converged, a further random block is added: modes that the first
-//! blocks cannot show, as copies of a repeated one, appear then.
+//! the others. Of a repeated mode a block shows as many copies as it has vectors: where so many are found, further
+//! iterations without the known modes look for others.
 //!
 //! Source: G. H. Golub, R. Underwood, The block Lanczos method for computing eigenvalues, Mathematical
 //! Software III, 1977, 361.
@@ -14,6 +14,7 @@ use std::ops::{AddAssign, Range};
 use faer::{Mat, MatRef, Side};
 
 use super::factor::Factor;
+use super::projection;
 use super::supernodes::SIDES;
 use crate::{MeshError, SparseBody};
 
@@ -27,8 +28,11 @@ const CONVERGED: f64 = 1e-10;
 /// Residual over the largest eigenvalue that is rounding.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Relative change of an eigenvalue by a further block that is none.
-const CONFIRMED: f64 = 1e-9;
+/// Relative difference of eigenvalues that is none.
+const EQUAL: f64 = 1e-9;
+
+/// Relative difference of squares up to which modes may be copies of one.
+const COPIES: f64 = 1e-3;
 
 /// Share of a vector's length, after its projection on others is taken off, below which nothing is left
 /// of it.
@@ -59,8 +63,6 @@ struct Krylov<'a> {
     images: Columns,
     /// The first vector that the next image may have a part along by more than rounding.
     coupled_from: usize,
-    /// True once a random block is in the place of one that the iteration gave.
-    is_restarted: bool,
     /// Most vectors of the basis.
     most: usize,
     projected: Mat<f64>,
@@ -86,7 +88,7 @@ impl Columns {
 }
 
 /// Blocks by which rigid motions are found.
-const RIGID_BLOCKS: usize = 3;
+const RIGID_BLOCKS: usize = 2;
 
 /// The `wanted` lowest modes, or all of a body that has not more; all modes of squares up to `rigid`
 /// \[1/s2\] have the square zero.
@@ -99,22 +101,36 @@ pub(super) fn lowest(
     (shift, rigid): (f64, f64),
     wanted: usize,
 ) -> Result<Eigenpairs, MeshError> {
-    let mut known = Mat::zeros(body.size(), 0);
+    let mut known = Eigenpairs { squares: Vec::new(), shapes: Mat::zeros(body.size(), 0) };
     loop {
-        let elastic = wanted.saturating_sub(known.ncols()).max(1);
-        let mut krylov = Krylov::new(body, factor, known, 2 * elastic + MOST_VECTORS);
+        let elastic = wanted.saturating_sub(known.squares.len()).max(1);
+        let mut krylov = Krylov::new(body, factor, &known, elastic);
         match krylov.lowest(shift, rigid, elastic)? {
-            Found::Modes(pairs) => return Ok(pairs),
-            Found::Rigid(rigid) => known = beside(&krylov.known, &rigid),
+            Found::Rigid(more) => known = known.and(&more),
+            Found::Elastic(more) => {
+                known = known.and(&more);
+                break;
+            }
         }
     }
+    let count = known.squares.len();
+    while known.has_copies() {
+        let mut krylov = Krylov::new(body, factor, &known, BLOCK);
+        let (Found::Rigid(more) | Found::Elastic(more)) = krylov.lowest(shift, rigid, BLOCK)?;
+        let highest = known.squares.last().copied().unwrap_or_default();
+        if more.squares.first().is_none_or(|square| *square > (1.0 - EQUAL) * highest) {
+            break;
+        }
+        known = known.and(&more).first(count);
+    }
+    Ok(known)
 }
 
-/// What an iteration ended with.
+/// New modes that an iteration ended with.
 enum Found {
-    Modes(Eigenpairs),
-    /// Shapes of rigid motions, which are to be kept out of another iteration.
-    Rigid(Mat<f64>),
+    /// Rigid motions, which are to be kept out of another iteration.
+    Rigid(Eigenpairs),
+    Elastic(Eigenpairs),
 }
 
 /// The columns of `left`, and after them the columns of `right`.
@@ -147,8 +163,31 @@ impl Ritz {
 }
 
 impl Eigenpairs {
-    fn rigid(shapes: Mat<f64>) -> Self {
-        Self { squares: vec![0.0; shapes.ncols()], shapes }
+    /// These and others, the lowest first.
+    fn and(&self, others: &Self) -> Self {
+        let shapes = beside(&self.shapes, &others.shapes);
+        let squares = [self.squares.as_slice(), &others.squares].concat();
+        let mut order: Vec<usize> = (0..squares.len()).collect();
+        order.sort_by(|&a, &b| squares[a].total_cmp(&squares[b]));
+        Self {
+            squares: order.iter().map(|&k| squares[k]).collect(),
+            shapes: Mat::from_fn(shapes.nrows(), order.len(), |i, k| shapes[(i, order[k])]),
+        }
+    }
+
+    /// The first `count` of them.
+    fn first(mut self, count: usize) -> Self {
+        self.squares.truncate(count);
+        self.shapes = self.shapes.subcols(0, count).to_owned();
+        self
+    }
+
+    /// True if as many elastic modes are nearly equal as a block has vectors: there may be more of them than one
+    /// iteration shows.
+    fn has_copies(&self) -> bool {
+        let elastic = self.squares.iter().filter(|square| **square > 0.0).copied();
+        let elastic: Vec<f64> = elastic.collect();
+        elastic.windows(BLOCK).any(|group| group[BLOCK - 1] - group[0] <= COPIES * group[0])
     }
 }
 
@@ -190,9 +229,10 @@ fn length_of(vector: &Mat<f64>, image: &Mat<f64>) -> f64 {
 }
 
 impl<'a> Krylov<'a> {
-    /// No vectors yet, and room for `most` of them.
-    fn new(body: &'a SparseBody, factor: &'a Factor, known: Mat<f64>, most: usize) -> Self {
-        let most = most.min(body.size() - known.ncols());
+    /// No vectors yet, and room for those that `elastic` modes beside known ones need.
+    fn new(body: &'a SparseBody, factor: &'a Factor, known: &Eigenpairs, elastic: usize) -> Self {
+        let known = known.shapes.clone();
+        let most = (2 * elastic + MOST_VECTORS).min(body.size() - known.ncols());
         Self {
             body,
             factor,
@@ -201,77 +241,72 @@ impl<'a> Krylov<'a> {
             basis: Columns { size: body.size(), values: Vec::new() },
             images: Columns { size: body.size(), values: Vec::new() },
             coupled_from: 0,
-            is_restarted: false,
             most,
             projected: Mat::zeros(most, most),
             random: Random(0x9e37_79b9_7f4a_7c15),
         }
     }
 
-    /// The known modes and the `elastic` lowest others, or rigid motions that are not known yet.
+    /// The `elastic` lowest modes that are not known, or rigid motions that are not.
     fn lowest(&mut self, shift: f64, rigid: f64, elastic: usize) -> Result<Found, MeshError> {
         let elastic = elastic.min(self.most);
         let mut block = self.random_block(BLOCK);
-        let mut last: Option<Vec<f64>> = None;
         let mut blocks = 0;
         while block.count() > 0 {
             let (next, couplings) = self.extend(&block);
             block = next;
             blocks += 1;
             let is_last = block.count() == 0;
-            if blocks == RIGID_BLOCKS || (is_last && blocks < RIGID_BLOCKS) {
-                let found = self.ritz(shift)?;
-                if found.squares[0] < -rigid {
-                    let problem = "not positive semidefinite";
-                    return Err(MeshError::Matrix { matrix: "stiffness", problem });
-                }
-                let count = found.squares.iter().filter(|square| **square <= rigid).count();
-                let motions = self.rigid_motions(&found, count);
-                if motions.ncols() > 0 {
-                    return Ok(Found::Rigid(motions));
-                }
-            }
-            if self.count() < elastic || is_last {
+            let is_early = blocks == RIGID_BLOCKS || (is_last && blocks < RIGID_BLOCKS);
+            if !is_early && (self.count() < elastic || is_last) {
                 continue;
             }
             let found = self.ritz(shift)?;
-            if !found.is_converged(elastic, &couplings) {
-                continue;
+            let is_converged =
+                self.count() >= elastic && !is_last && found.is_converged(elastic, &couplings);
+            if (is_early || is_converged)
+                && let Some(motions) = self.rigid_motions(&found, rigid)?
+            {
+                return Ok(Found::Rigid(motions));
             }
-            let values = &found.values[..elastic];
-            let same = |(a, b): (&f64, &f64)| (a - b).abs() <= CONFIRMED * a.abs();
-            if last.is_some_and(|last| last.iter().zip(values).all(same)) {
-                return Ok(Found::Modes(self.eigenpairs(&found, elastic)));
+            if is_converged {
+                return Ok(Found::Elastic(self.elastic(&found, elastic)));
             }
-            last = Some(values.to_vec());
-            (self.is_restarted, self.coupled_from) = (true, 0);
-            block = self.random_block(BLOCK);
-        }
-        if self.count() == 0 {
-            let known = std::mem::replace(&mut self.known, Mat::zeros(0, 0));
-            return Ok(Found::Modes(Eigenpairs::rigid(known)));
         }
         if self.room() == 0 && self.most < self.body.size() - self.known.ncols() {
             let problem = "without converging eigenvalues";
             return Err(MeshError::Matrix { matrix: "stiffness", problem });
         }
+        if self.count() == 0 {
+            let none = Eigenpairs { squares: Vec::new(), shapes: Mat::zeros(self.body.size(), 0) };
+            return Ok(Found::Elastic(none));
+        }
         // The basis holds every motion with mass.
         let found = self.ritz(shift)?;
-        Ok(Found::Modes(self.eigenpairs(&found, elastic.min(self.count()))))
+        Ok(Found::Elastic(self.elastic(&found, elastic.min(self.count()))))
     }
 
-    /// The first `count` vectors of the basis after an inverse iteration, which takes off what they have of other
-    /// modes, without known ones.
-    fn rigid_motions(&mut self, found: &Ritz, count: usize) -> Mat<f64> {
-        if count == 0 {
-            return Mat::zeros(self.body.size(), 0);
+    /// The vectors with squares up to `rigid` after an inverse iteration, which takes off what they have of other
+    /// modes, without known ones; none if there are none.
+    ///
+    /// # Errors
+    /// [`MeshError::Matrix`] for a square below `-rigid`.
+    fn rigid_motions(&mut self, found: &Ritz, rigid: f64) -> Result<Option<Eigenpairs>, MeshError> {
+        if found.squares[0] < -rigid {
+            let problem = "not positive semidefinite";
+            return Err(MeshError::Matrix { matrix: "stiffness", problem });
         }
-        let shapes = self.shapes(&found.vectors, 0, count);
-        let mut improved = self.body.mass_times(shapes.as_ref());
+        let count = found.squares.iter().filter(|square| **square <= rigid).count();
+        if count == 0 {
+            return Ok(None);
+        }
+        let mut improved = self.body.mass_times(self.shapes(&found.vectors, count).as_ref());
         self.factor.solve(&mut improved);
         let lengths = self.lengths(&improved);
         self.take_off(&mut improved, 0..0);
-        self.orthonormal(&improved, &lengths, count).0.vectors
+        let shapes = self.orthonormal(&improved, &lengths, count).0.vectors;
+        let squares = vec![0.0; shapes.ncols()];
+        Ok(Some(Eigenpairs { squares, shapes }))
     }
 
     /// Number of vectors in the basis.
@@ -292,7 +327,6 @@ impl<'a> Krylov<'a> {
         self.images.append(images);
         let mut image = images.clone();
         self.factor.solve(&mut image);
-        let lengths = self.lengths(&image);
         // The image has parts along the last two blocks, and by rounding along others.
         let coupled = self.coupled_from..from + added;
         let mut along = Mat::zeros(from + added, added);
@@ -302,7 +336,9 @@ impl<'a> Krylov<'a> {
                 .add_assign(self.take_off(&mut image, range));
         }
         self.projected.submatrix_mut(0, from, from + added, added).copy_from(&along);
-        self.coupled_from = if self.is_restarted { 0 } else { from };
+        self.coupled_from = from;
+        // At least as long as its part in the basis.
+        let lengths: Vec<f64> = along.col_iter().map(|column| column.norm_l2()).collect();
         let room = self.room();
         self.orthonormal(&image, &lengths, room)
     }
@@ -310,11 +346,17 @@ impl<'a> Krylov<'a> {
     /// Takes the parts along known modes and vectors of the basis off the columns of `vectors`, and returns
     /// the second.
     fn take_off(&self, vectors: &mut Mat<f64>, basis: Range<usize>) -> Mat<f64> {
-        let known = self.known_images.transpose() * &*vectors;
-        *vectors -= &self.known * known;
         let (from, count) = (basis.start, basis.len());
-        let along = self.images.all().subcols(from, count).transpose() * &*vectors;
-        *vectors -= self.basis.all().subcols(from, count) * &along;
+        let (basis, images) = (self.basis.all(), self.images.all());
+        let parts = [
+            (self.known.as_ref(), self.known_images.as_ref()),
+            (basis.subcols(from, count), images.subcols(from, count)),
+        ];
+        let [_, along] = parts.map(|(basis, images)| {
+            let along = projection::along(images, vectors.as_ref());
+            projection::take_off(vectors.as_mut(), basis, along.as_ref());
+            along
+        });
         along
     }
 
@@ -400,17 +442,15 @@ impl<'a> Krylov<'a> {
         image
     }
 
-    /// The known modes, and after them the first `wanted` ones of the basis.
-    fn eigenpairs(&self, found: &Ritz, wanted: usize) -> Eigenpairs {
-        let mut squares = vec![0.0; self.known.ncols()];
-        squares.extend(&found.squares[..wanted]);
-        let shapes = beside(&self.known, &self.shapes(&found.vectors, 0, wanted));
-        Eigenpairs { squares, shapes }
+    /// The first `count` modes of the basis.
+    fn elastic(&self, found: &Ritz, count: usize) -> Eigenpairs {
+        let squares = found.squares[..count].to_vec();
+        Eigenpairs { squares, shapes: self.shapes(&found.vectors, count) }
     }
 
-    /// Shapes of `count` vectors from the vector `from` on.
-    fn shapes(&self, vectors: &Mat<f64>, from: usize, count: usize) -> Mat<f64> {
-        self.basis.all() * vectors.subcols(from, count)
+    /// Shapes of the first `count` vectors.
+    fn shapes(&self, vectors: &Mat<f64>, count: usize) -> Mat<f64> {
+        self.basis.all() * vectors.subcols(0, count)
     }
 
     /// Eigenvalues and vectors of the projected operator.

@@ -121,17 +121,19 @@ fn lattices_are_reduced_as_by_all_their_modes() {
     }
 }
 
-/// Twelve rigid motions, and every frequency four times: more copies than are seen from one side.
+/// Rigid motions and frequencies four times, and eleven times: more copies than a block has vectors.
 #[test]
 fn repeated_modes_are_all_found() {
-    let (k, m, _) = lattice((5, 2, 2), &mut Random(3));
-    let (size, copies) = (k.nrows(), 4);
-    let repeat = |matrix: &Mat<f64>| {
-        Mat::from_fn(copies * size, copies * size, |i, j| {
-            if i / size == j / size { matrix[(i % size, j % size)] } else { 0.0 }
-        })
-    };
-    compare(&repeat(&k), &repeat(&m), Vec::new(), 28);
+    for (shape, copies, modes) in [((5, 2, 2), 4, 28), ((3, 2, 2), 11, 55)] {
+        let (k, m, _) = lattice(shape, &mut Random(3));
+        let size = k.nrows();
+        let repeat = |matrix: &Mat<f64>| {
+            Mat::from_fn(copies * size, copies * size, |i, j| {
+                if i / size == j / size { matrix[(i % size, j % size)] } else { 0.0 }
+            })
+        };
+        compare(&repeat(&k), &repeat(&m), Vec::new(), modes);
+    }
 }
 
 /// Rows without mass are statically condensed.
