@@ -1,6 +1,6 @@
 //! Conclusions of an identification, in sentences.
 
-use asperity_inference::{Agreement, ModelAssessment, ProfileEnd};
+use asperity_inference::{Agreement, ModelAssessment, ProfileEnd, RELIABLE_SHAPE};
 use serde::Serialize;
 
 use crate::build::CONSTANT;
@@ -27,9 +27,6 @@ pub enum PressureDependence {
 /// Least share of effective draws, and largest R-hat, of a converged posterior.
 const MIN_DRAWS: f64 = 0.2;
 const MOST_R_HAT: f64 = 1.02;
-
-/// Largest Pareto shape of weights that may be cut.
-const MOST_SHAPE: f64 = 0.7;
 
 /// Effective draws of which no band can be made.
 const FEW_DRAWS: f64 = 20.0;
@@ -60,7 +57,7 @@ impl Identification {
     pub(crate) fn has_heavy_weights(&self) -> bool {
         let found = &self.posterior.diagnostics;
         let is_cut = found.evaluated_draws > self.posterior.draws.len();
-        is_cut && found.pareto_shape.is_some_and(|shape| shape > MOST_SHAPE)
+        is_cut && found.pareto_shape.is_some_and(|shape| shape > RELIABLE_SHAPE)
     }
 
     /// Evidence in the data for a stiffness that depends on pressure.

@@ -17,6 +17,9 @@ pub(crate) fn effective_draws(weights: &[f64]) -> f64 {
     if squares > 0.0 { 1.0 / squares } else { 0.0 }
 }
 
+/// Largest Pareto shape of weights whose means are reliable.
+pub const RELIABLE_SHAPE: f64 = 0.7;
+
 /// The shape `k` of a generalised Pareto distribution fitted to the largest weights: below 0.7
 /// weighted means are reliable. `None` for too few weights.
 ///

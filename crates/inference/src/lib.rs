@@ -98,6 +98,7 @@ pub use fit_options::FitOptions;
 pub use gaussian_process::{LatentBasis, matern_one_half, matern_three_halves};
 pub use goodness::{Agreement, GoodnessOfFit};
 pub use identifiability::{Identifiability, UNDETERMINED_SHARE, Undetermined};
+pub use importance::RELIABLE_SHAPE;
 pub use latent_posterior::LatentPosterior;
 pub use latent_prior::{LatentPrior, prior_draws};
 pub use latent_subspace::ACTIVE_INFORMATION;

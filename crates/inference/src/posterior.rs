@@ -33,13 +33,14 @@ impl Fit<'_> {
     /// likelihood (a pseudo-likelihood unless squared) and the priors count; the observations'
     /// variances are multiplied by the square of the covariance's noise factor.
     ///
-    /// Markov chains run on a response surface: polynomials of degree three (two above ten
-    /// parameters) in whitened coordinates. Of their steps [`PosteriorOptions::draws`] evenly
+    /// Markov chains run on a response surface: polynomials of degree three (without products of three parameters
+    /// above ten of them, and of degree two above twenty) in whitened coordinates. Of their steps [`PosteriorOptions::draws`] evenly
     /// spread ones are evaluated on the model and weighted by exact over surrogate density
     /// (importance sampling), so that errors of the surface cost precision but cause no bias within
     /// its range. While the effective share of draws is below [`PosteriorOptions::target_share`],
     /// or draws are at the limit of the range, a new surface is trained at these draws and new
-    /// points about them; the round with the most effective draws counts. If that is too few, up to ten times as
+    /// points about them; the round with the most effective draws counts. If that is too few, or the weights then have a heavy tail (a Pareto
+    /// shape above [`RELIABLE_SHAPE`](crate::RELIABLE_SHAPE)), up to ten times as
     /// many draws are evaluated and resampled to the number asked for. Results depend on the
     /// seed, not on the number of threads.
     ///

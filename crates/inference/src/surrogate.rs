@@ -7,13 +7,14 @@ use crate::error::{InferenceError, check_range};
 use crate::fit_problem::FitProblem;
 use crate::linear_algebra::{dot, upper_solve, upper_times};
 use crate::model::Predictions;
-use crate::polynomial::{LeastSquares, Monomials};
+use crate::polynomial::{Cubics, LeastSquares, Monomials};
 use crate::profile::Profile;
 use crate::progress::{ProgressCallback, Stage, report};
 use crate::random::{generator, latin_hypercube, normal, normal_quantile};
 
-/// Largest number of parameters with cubic terms.
+/// Largest number of parameters with all cubic terms, and with those of two parameters.
 const MAX_CUBIC: usize = 10;
+const MAX_CUBIC_OF_TWO: usize = 20;
 /// Standard deviation of the training points in whitened coordinates.
 const SPREAD: f64 = 1.3;
 /// Farthest training point in each whitened coordinate.
@@ -84,7 +85,8 @@ impl Training {
     }
 }
 
-/// Polynomials of degree three (two above ten parameters) in whitened coordinates `z`, with
+/// Polynomials of degree three (without products of three parameters above ten of them, and of degree two above
+/// twenty) in whitened coordinates `z`, with
 /// `x = optimum + L z` and `L L^T` the covariance, one for every observation's standardised
 /// residual.
 ///
@@ -172,7 +174,12 @@ impl Surrogate {
 }
 
 fn monomials(parameters: usize) -> Monomials {
-    Monomials::new(parameters, if parameters <= MAX_CUBIC { 3 } else { 2 })
+    let cubics = match parameters {
+        ..=MAX_CUBIC => Cubics::All,
+        ..=MAX_CUBIC_OF_TWO => Cubics::OfTwo,
+        _ => Cubics::None,
+    };
+    Monomials::new(parameters, cubics)
 }
 
 /// The working coordinates at `z` or `-z`, moved towards the centre until they are inside the bounds,

@@ -7,7 +7,7 @@ use super::options::PosteriorOptions;
 use super::summary::Posterior;
 use crate::error::InferenceError;
 use crate::fit_problem::FitProblem;
-use crate::importance::{effective_draws, normalised, pareto_shape};
+use crate::importance::{RELIABLE_SHAPE, effective_draws, normalised, pareto_shape};
 use crate::linear_algebra::upper_root;
 use crate::model::Predictions;
 use crate::profile::Profile;
@@ -211,10 +211,13 @@ impl Round {
         let is_poor = |weights: &[f64]| {
             effective_draws(weights) < options.target_share * options.draws as f64
         };
+        let is_heavy = |found: &PosteriorDiagnostics| {
+            found.pareto_shape.is_some_and(|shape| shape > RELIABLE_SHAPE)
+        };
         let most = if is_poor(&weights) { MOST_TIMES * options.draws } else { 0 };
         let reserve = spread(&chains, most, 0, most);
         let mut reserve = reserve.chunks(options.draws);
-        while is_poor(&weights)
+        while (is_poor(&weights) || (draws.len() > options.draws && is_heavy(&diagnostics)))
             && let Some(more) = reserve.next()
         {
             let first = draws.len();
