@@ -174,10 +174,12 @@ impl Surrogate {
 }
 
 fn monomials(parameters: usize) -> Monomials {
-    let cubics = match parameters {
-        ..=MAX_CUBIC => Cubics::All,
-        ..=MAX_CUBIC_OF_TWO => Cubics::OfTwo,
-        _ => Cubics::None,
+    let cubics = if parameters <= MAX_CUBIC {
+        Cubics::All
+    } else if parameters <= MAX_CUBIC_OF_TWO {
+        Cubics::OfTwo
+    } else {
+        Cubics::None
     };
     Monomials::new(parameters, cubics)
 }

@@ -306,7 +306,7 @@ impl<'a> Krylov<'a> {
         self.take_off(&mut improved, 0..0);
         let shapes = self.orthonormal(&improved, &lengths, count).0.vectors;
         let squares = vec![0.0; shapes.ncols()];
-        Ok(Some(Eigenpairs { squares, shapes }))
+        Ok((shapes.ncols() > 0).then_some(Eigenpairs { squares, shapes }))
     }
 
     /// Number of vectors in the basis.
