@@ -84,7 +84,7 @@ impl Points {
 
 struct Dissection<'a> {
     points: &'a Points,
-    /// Where a point is while a part is cut.
+    /// Side of each point while a part is cut.
     side: Vec<Side>,
     /// Neighbours of a point in the lower and the upper side of a cut.
     counts: Vec<[u32; 2]>,
