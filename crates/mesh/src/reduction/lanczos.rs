@@ -66,7 +66,8 @@ struct Krylov<'a> {
     /// Most vectors of the basis.
     most: usize,
     projected: Mat<f64>,
-    random: Random,
+    /// The same for all iterations: another start of the same vectors would miss the copies that the first missed.
+    random: &'a mut Random,
 }
 
 /// Columns in one piece of memory, which grows without being copied each time.
@@ -102,9 +103,10 @@ pub(super) fn lowest(
     wanted: usize,
 ) -> Result<Eigenpairs, MeshError> {
     let mut known = Eigenpairs { squares: Vec::new(), shapes: Mat::zeros(body.size(), 0) };
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
     loop {
         let elastic = wanted.saturating_sub(known.squares.len()).max(1);
-        let mut krylov = Krylov::new(body, factor, &known, elastic);
+        let mut krylov = Krylov::new(body, factor, &mut random, (&known, elastic));
         match krylov.lowest(shift, rigid, elastic)? {
             Found::Rigid(more) => known = known.and(&more),
             Found::Elastic(more) => {
@@ -115,7 +117,7 @@ pub(super) fn lowest(
     }
     let count = known.squares.len();
     while known.has_copies() {
-        let mut krylov = Krylov::new(body, factor, &known, BLOCK);
+        let mut krylov = Krylov::new(body, factor, &mut random, (&known, BLOCK));
         let (Found::Rigid(more) | Found::Elastic(more)) = krylov.lowest(shift, rigid, BLOCK)?;
         let highest = known.squares.last().copied().unwrap_or_default();
         if more.squares.first().is_none_or(|square| *square > (1.0 - EQUAL) * highest) {
@@ -230,7 +232,12 @@ fn length_of(vector: &Mat<f64>, image: &Mat<f64>) -> f64 {
 
 impl<'a> Krylov<'a> {
     /// No vectors yet, and room for those that `elastic` modes beside known ones need.
-    fn new(body: &'a SparseBody, factor: &'a Factor, known: &Eigenpairs, elastic: usize) -> Self {
+    fn new(
+        body: &'a SparseBody,
+        factor: &'a Factor,
+        random: &'a mut Random,
+        (known, elastic): (&Eigenpairs, usize),
+    ) -> Self {
         let known = known.shapes.clone();
         let most = (2 * elastic + MOST_VECTORS).min(body.size() - known.ncols());
         Self {
@@ -243,7 +250,7 @@ impl<'a> Krylov<'a> {
             coupled_from: 0,
             most,
             projected: Mat::zeros(most, most),
-            random: Random(0x9e37_79b9_7f4a_7c15),
+            random,
         }
     }
 
@@ -257,8 +264,8 @@ impl<'a> Krylov<'a> {
             block = next;
             blocks += 1;
             let is_last = block.count() == 0;
-            let is_early = blocks == RIGID_BLOCKS || (is_last && blocks < RIGID_BLOCKS);
-            if !is_early && (self.count() < elastic || is_last) {
+            let is_early = blocks == RIGID_BLOCKS || is_last;
+            if !is_early && self.count() < elastic {
                 continue;
             }
             let found = self.ritz(shift)?;
