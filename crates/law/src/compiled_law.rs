@@ -4,14 +4,16 @@
     reason = "the innermost calls of time stepping, in loops compiled for wider registers"
 )]
 
+mod accuracy;
 mod cubic_cell;
 mod grid;
-mod nodes;
+mod source;
 
 use crate::contact_law::{ContactLaw, Pressure};
 use crate::error::{LawError, LawQuantity, above, finite};
-use grid::{CellLayout, ClosureGrid, TableRange};
-use nodes::nodes;
+use accuracy::SAFETY;
+use grid::{CellLayout, ClosureGrid, DIVIDED, DIVISION, TableRange};
+use source::Source;
 
 pub use cubic_cell::CubicCell;
 
@@ -84,10 +86,16 @@ pub struct CellScale {
     pub offset: f64,
 }
 
-/// Number of cells next to a singular loss of contact that are divided, and the division of each. A
-/// power law `d^a`, 1 < a < 2, has errors like `i^(a-4)` in cell i; both numbers reduce them alike.
-const DIVIDED: usize = 8;
-const DIVISION: usize = 32;
+impl CellScale {
+    /// The scale on which rounding does not place the lowest closure of a table inside its first cell: what
+    /// lies just below loss of contact is exactly open.
+    fn starting_at(mut self, lowest: f64) -> Self {
+        while lowest * self.cells_per_metre + self.offset > 1.0 {
+            self.cells_per_metre = self.cells_per_metre.next_up();
+        }
+        self
+    }
+}
 
 /// Fewest cells of a first attempt.
 const FIRST_CELLS: usize = 16;
@@ -95,23 +103,11 @@ const FIRST_CELLS: usize = 16;
 /// Number of cells of the last attempt; the nodes at the state and at the top may each add one.
 const LAST_CELLS: usize = CompiledLaw::MAX_CELLS - DIVIDED * DIVISION - 2;
 
-/// Places in a cell at which the error is sampled, denser towards the ends.
-const CHECKS: [f64; 8] = [0.03, 0.12, 0.25, 0.42, 0.58, 0.75, 0.88, 0.97];
-
-/// The place at which nodes are checked too: against the law inverted from the state.
-const FROM_STATE: f64 = CHECKS[3];
-
-/// Every so many cells one is sampled, next to others whose error is that of their quintic.
-const WATCHED: usize = 16;
-
-/// Number of first cells, next to loss of contact, that are sampled at all places.
-const EDGE: usize = 16;
+/// Number of nodes of cells next to a singular loss of contact that are tried first.
+const FIRST_NODES: usize = 3;
 
 /// Factor by which twice the cells lower the error of cubics at most: their fourth power, and half as much again.
 const DOUBLED: f64 = 24.0;
-
-/// Ratio of the error estimate to the largest error found.
-const SAFETY: f64 = 2.0;
 
 impl CompiledLaw {
     /// Largest number of cells of a table: 65536, which take 2 MB.
@@ -134,7 +130,7 @@ impl CompiledLaw {
         tolerance: f64,
     ) -> Result<Self, LawError> {
         let range = (pressure_state, pressure_top);
-        Self::build(law, range, tolerance, (CellLayout::Divided, FIRST_CELLS))
+        Self::build(law, range, tolerance, CellLayout::Divided)
     }
 
     /// Tabulates like [`new`](Self::new), but with cells of one width, for kernels that look up many
@@ -149,11 +145,12 @@ impl CompiledLaw {
         pressure_top: f64,
         tolerance: f64,
     ) -> Result<Self, LawError> {
-        Self::uniform_of(law, (pressure_state, pressure_top), tolerance, FIRST_CELLS)
+        Self::uniform_of(law, (pressure_state, pressure_top), tolerance, 0)
     }
 
     /// [`uniform`](Self::uniform) between two pressures \[Pa\] with at least so many cells, for tables of
-    /// other functions of the closure on the same cells.
+    /// other functions of the closure on the same cells: the cells of the law are divided, each into as
+    /// many, with its cubic.
     ///
     /// # Errors
     /// Those of [`new`](Self::new).
@@ -163,14 +160,43 @@ impl CompiledLaw {
         tolerance: f64,
         least_cells: usize,
     ) -> Result<Self, LawError> {
-        Self::build(law, pressures, tolerance, (CellLayout::Uniform, least_cells.max(FIRST_CELLS)))
+        let table = Self::build(law, pressures, tolerance, CellLayout::Uniform)?;
+        let parts = least_cells.div_ceil(table.cells.len() - 1);
+        Ok(table.divided(parts))
+    }
+
+    /// The same cubics on cells of one width, each in so many parts.
+    fn divided(mut self, parts: usize) -> Self {
+        if parts <= 1 {
+            return self;
+        }
+        let (count, below) = (parts as f64, self.cells[0]);
+        let of_cell = |&[c0, c1, c2, c3]: &[f64; 4]| {
+            (0..parts).map(move |part| {
+                let (start, width) = (part as f64 / count, 1.0 / count);
+                [
+                    c0 + start * (c1 + start * (c2 + start * c3)),
+                    width * (c1 + start * (2.0 * c2 + start * 3.0 * c3)),
+                    width * width * (c2 + 3.0 * start * c3),
+                    width * width * width * c3,
+                ]
+            })
+        };
+        let above = self.cells[1..].iter().flat_map(of_cell);
+        self.cells = std::iter::once(below).chain(above).collect();
+        self.coarse = CellScale {
+            cells_per_metre: self.coarse.cells_per_metre * count,
+            offset: 1.0 + (self.coarse.offset - 1.0) * count,
+        }
+        .starting_at(self.x_lo);
+        self
     }
 
     fn build(
         law: &dyn ContactLaw,
         (pressure_state, pressure_top): (f64, f64),
         tolerance: f64,
-        (layout, first_cells): (CellLayout, usize),
+        layout: CellLayout,
     ) -> Result<Self, LawError> {
         finite(LawQuantity::PressureState, pressure_state)?;
         above(LawQuantity::PressureTop, pressure_top, pressure_state)?;
@@ -179,16 +205,28 @@ impl CompiledLaw {
         let limit = tolerance * scale;
         let range = TableRange::of(law, pressure_state, pressure_top, layout)?;
 
-        let mut wanted = first_cells;
+        let source = Source::new(law, (pressure_state, pressure_top), limit);
+        let mut wanted = FIRST_CELLS;
         let mut best = (0, f64::INFINITY);
         while let Some(grid) = range.grid(wanted.min(LAST_CELLS), LAST_CELLS + 2) {
-            let table = Self::on_grid(law, pressure_state, &range, &grid);
-            // The last attempt is sampled completely, for the error message.
+            let places = range.places(&grid);
             let last = wanted >= LAST_CELLS;
-            let stop = if last { f64::INFINITY } else { limit };
-            let bound = table.estimate_error(law, &grid, stop);
+            let table = |places: &[f64]| {
+                let table = Self::on_grid(&source, &range, &grid, places);
+                // The last attempt is sampled completely, for the error message.
+                let stop = if last { f64::INFINITY } else { limit };
+                let smooth = table.smooth_errors(&source, &grid);
+                let bound = table.estimate_error(&source, &grid, &smooth, stop);
+                (table, smooth, bound)
+            };
+            // The others can wait while cells next to a singular loss of contact ask for more.
+            let first = if range.singular && !last { FIRST_NODES } else { places.len() };
+            let (mut found, mut smooth, mut bound) = table(&places[..first.min(places.len())]);
+            if bound <= limit && first < places.len() {
+                (found, smooth, bound) = table(&places);
+            }
             if bound <= limit {
-                return Ok(Self { error_estimate: bound, ..table });
+                return Ok(Self { error_estimate: bound, ..found });
             }
             best = (grid.count(), bound);
             // Cubics gain at most the fourth power of the cells.
@@ -196,7 +234,8 @@ impl CompiledLaw {
             if last || bound > limit * most {
                 break;
             }
-            let mut smooth = SAFETY * table.smooth_error(law, &grid) / DOUBLED;
+            let smooth = smooth[1..].iter().filter(|off| off.is_finite());
+            let mut smooth = SAFETY * smooth.fold(0.0, |most, off| off.max(most)) / DOUBLED;
             wanted *= 2;
             while smooth > limit && wanted < LAST_CELLS {
                 smooth /= DOUBLED;
@@ -322,14 +361,18 @@ impl CompiledLaw {
         self.fine_below
     }
 
-    /// The table on a grid, before its error is estimated.
-    fn on_grid(law: &dyn ContactLaw, state: f64, range: &TableRange, grid: &ClosureGrid) -> Self {
-        let divided = if range.singular { grid.count().min(DIVIDED) } else { 0 };
+    /// The table on the first `places` of a grid, before its error is estimated.
+    fn on_grid(
+        source: &Source<'_>,
+        range: &TableRange,
+        grid: &ClosureGrid,
+        places: &[f64],
+    ) -> Self {
+        let state = source.state;
+        let divided = range.divided(grid);
         let fine_cells = divided * DIVISION;
         let part = 1.0 / DIVISION as f64;
-        let fine = (0..fine_cells).map(|i| i as f64 * part);
-        let places: Vec<f64> = fine.chain((divided..=grid.count()).map(|i| i as f64)).collect();
-        let nodes = nodes(law, state, range, grid, &places);
+        let nodes = source.nodes(range, grid, places);
         // The rise over a cell at the tangent of a node.
         let rise = |node: Pressure, width: f64| (node.value, node.tangent * (grid.width * width));
         let mut cells = Vec::with_capacity(places.len());
@@ -353,12 +396,8 @@ impl CompiledLaw {
             cells_per_metre: inverse,
             offset: 1.0 + below + (fine_cells - divided) as f64,
         };
-        // Rounding must not place loss of contact inside the first cell, or what lies just below
-        // it would not be exactly open.
         let first = if divided > 0 { &mut fine } else { &mut coarse };
-        while range.down * first.cells_per_metre + first.offset > 1.0 {
-            first.cells_per_metre = first.cells_per_metre.next_up();
-        }
+        *first = first.starting_at(range.down);
         Self {
             cells,
             fine_cells: fine_cells as u32,
@@ -371,107 +410,6 @@ impl CompiledLaw {
             error_estimate: f64::INFINITY,
         }
     }
-
-    /// Largest distance of a cubic from its quintic.
-    fn smooth_error(&self, law: &dyn ContactLaw, grid: &ClosureGrid) -> f64 {
-        let distance = |(i, &[c0, c1, c2, c3]): (usize, &[f64; 4])| {
-            let width = self.width(i) * grid.width;
-            let ends = [c0, c0 + c1 + c2 + c3].map(|value| self.pressure_state + value);
-            let slopes = ends.map(|pressure| law.stiffness_slope(pressure) * width);
-            off_quintic([c1, c1 + 2.0 * c2 + 3.0 * c3], slopes)
-        };
-        let all = self.cells.iter().enumerate().skip(1).map(distance);
-        all.filter(|distance| distance.is_finite()).fold(0.0, f64::max)
-    }
-
-    /// Width of cell `i` in widths of the grid.
-    fn width(&self, i: usize) -> f64 {
-        if i <= self.fine_cells as usize { 1.0 / DIVISION as f64 } else { 1.0 }
-    }
-
-    /// Error of a pressure increment `found` \[Pa\] at closure increment `x` \[m\], from the closure that the law has
-    /// there; none where the law is open, or the pressure off by so much that its stiffness differs.
-    fn off_from_state(&self, law: &dyn ContactLaw, x: f64, found: f64) -> Option<f64> {
-        let pressure = self.pressure_state + found;
-        if pressure <= law.domain().pressure_min {
-            return None;
-        }
-        let stiffness = law.stiffness(pressure);
-        let off = stiffness * (law.closure_increment(self.pressure_state, found) - x);
-        let changed = (off * law.stiffness_slope(pressure)).abs();
-        (changed <= 0.01 * stiffness).then_some(off)
-    }
-
-    /// Error estimate of the table, or the first partial one that exceeds `stop`.
-    fn estimate_error(&self, law: &dyn ContactLaw, grid: &ClosureGrid, stop: f64) -> f64 {
-        let kinks = law.kinks();
-        let mut bound = 0.0_f64;
-        // dK/dp at the upper end of the cell before: the lower end of this one.
-        let mut slope_below = None;
-        for (i, cell) in self.cells.iter().enumerate().skip(1) {
-            let &[c0, c1, c2, c3] = cell;
-            // An argument s of up to `count` cells is rounded by three operations, the value by
-            // as many of its own size.
-            let steepest = c1.abs().max((c1 + 2.0 * c2 + 3.0 * c3).abs());
-            let size = c0.abs().max((c0 + c1 + c2 + c3).abs());
-            let rounding = 2.0 * f64::EPSILON * (steepest * self.cells.len() as f64 + size);
-            // A kink of the law may put the error anywhere.
-            let (from, to) = (self.pressure_state + c0, self.pressure_state + (c0 + c1 + c2 + c3));
-            let kinked = kinks.iter().any(|kink| (from..=to).contains(kink));
-            let fine = self.fine_cells as usize;
-            let width = self.width(i);
-            let mut include = |off: f64| {
-                let found = SAFETY * off + rounding;
-                // A NaN is not an error of zero.
-                bound = if found.is_nan() { f64::INFINITY } else { bound.max(found) };
-            };
-            if !(i % WATCHED == 0 || i <= EDGE || kinked) {
-                let rises = [c1, c1 + 2.0 * c2 + 3.0 * c3];
-                let slopes = [
-                    slope_below.unwrap_or_else(|| law.stiffness_slope(from)),
-                    law.stiffness_slope(to),
-                ];
-                slope_below = Some(slopes[1]);
-                let off = off_quintic(rises, slopes.map(|slope| slope * width * grid.width));
-                if off.is_finite() {
-                    include(off);
-                    if bound > stop {
-                        break;
-                    }
-                    continue;
-                }
-            }
-            slope_below = None;
-            for t in CHECKS {
-                let place = if i <= fine {
-                    ((i - 1) as f64 + t) / DIVISION as f64
-                } else {
-                    (i - 1 - fine + fine / DIVISION) as f64 + t
-                };
-                let x = grid.closure(place);
-                // From the node below, which is checked once.
-                let found = self.get(x);
-                let off = if t == FROM_STATE {
-                    self.off_from_state(law, x, found)
-                } else {
-                    let near = law.pressure_step(from, t * width * grid.width);
-                    near.map(|at| found - (c0 + at.value))
-                };
-                let inverted = || found - law.pressure_increment(self.pressure_state, x).value;
-                include(off.unwrap_or_else(inverted).abs());
-            }
-            if bound > stop {
-                break;
-            }
-        }
-        bound
-    }
-}
-
-/// Distance of the Hermite cubic from the quintic in the middle of a cell, from the rises over it at the
-/// tangents of its ends and `dK/dp` there times its width: `p'' = K dK/dp`.
-fn off_quintic([m0, m1]: [f64; 2], [b0, b1]: [f64; 2]) -> f64 {
-    ((m0 - m1) / 32.0 + (m0 * b0 + m1 * b1) / 64.0).abs()
 }
 
 /// The cubic on 0 <= t < 1 from values and rises at its ends.
@@ -512,11 +450,41 @@ mod tests {
                     let fewer = FIRST_CELLS << (doublings as usize - 1);
                     let range = TableRange::of(law, state, top, layout).unwrap();
                     let grid = range.grid(fewer, LAST_CELLS + 2).unwrap();
-                    let coarse = CompiledLaw::on_grid(law, state, &range, &grid);
-                    let bound = coarse.estimate_error(law, &grid, f64::INFINITY);
+                    let places = range.places(&grid);
                     let limit = tolerance * scale;
+                    let source = Source::new(law, (state, top), limit);
+                    let coarse = CompiledLaw::on_grid(&source, &range, &grid, &places);
+                    let smooth = coarse.smooth_errors(&source, &grid);
+                    let bound = coarse.estimate_error(&source, &grid, &smooth, f64::INFINITY);
                     assert!(bound > limit, "{law:?} {exponent} {tolerance}: {bound} <= {limit}");
                 }
+            }
+        }
+    }
+
+    /// Divided cells hold the cubics of the table: equal to rounding, zero at rest and open where contact is lost.
+    #[test]
+    fn divided_cells_are_the_same_table() {
+        let laws: [&dyn ContactLaw; 3] = [
+            &Power::new(1.81e10, 0.35, 0.0).unwrap(),
+            &Tabulated::new(&[(0.14e6, 1.15e12), (0.35e6, 1.75e12), (1e6, 2.46e12)]).unwrap(),
+            &Constant::new(8.5e11).unwrap(),
+        ];
+        for law in laws {
+            let pressures = (137_340.0, 4e5);
+            let table = CompiledLaw::uniform(law, pressures.0, pressures.1, 1e-5).unwrap();
+            let cells = 5 * table.cells.len();
+            let divided = CompiledLaw::uniform_of(law, pressures, 1e-5, cells).unwrap();
+            assert!((cells..=2 * cells).contains(&(divided.cells().len() - 1)), "{law:?}");
+            assert_eq!(divided.get(0.0), 0.0);
+            let below = table.x_lo().next_down();
+            assert_eq!(divided.get(below).to_bits(), table.get(below).to_bits());
+            let rounding = 1e-9 * table.error_estimate().max(1.0);
+            for i in 0..10_000 {
+                let x = table.x_lo() + (table.x_hi() - table.x_lo()) * (f64::from(i) + 0.5) / 1e4;
+                let [(p, k), (q, l)] = [&table, &divided].map(|one| one.get_with_tangent(x));
+                assert!((p - q).abs() <= rounding, "{law:?} {x}: {p} {q}");
+                assert!((k - l).abs() <= 1e-9 * k.abs(), "{law:?} {x}: {k} {l}");
             }
         }
     }

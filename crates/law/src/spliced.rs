@@ -5,11 +5,14 @@
 //! halved, once, at construction, until the rule is exact to rounding. The integrals up to every
 //! cell are stored, so that a closure costs one search and one rule.
 
+mod inverse;
+
 use crate::contact_law::inverse::step;
 use crate::contact_law::quadrature::{gauss, gauss_short};
 use crate::contact_law::{ContactLaw, Pressure, refine_increment};
 use crate::domain::{Domain, no_less};
 use crate::power::Power;
+use inverse::{InverseCell, inverse};
 
 /// Relative difference between the rule on a cell and on its halves below which the halves are
 /// kept. The rule is of order 20: even next to a pole of 1/K halving improves it by three digits,
@@ -98,6 +101,8 @@ pub(crate) struct Spliced {
     starts: Vec<f64>,
     above: Power,
     end: SplicedCell,
+    /// Pressure over closure, unless extreme cubics would need too many polynomials.
+    inverse: Option<Vec<InverseCell>>,
 }
 
 impl Spliced {
@@ -142,7 +147,8 @@ impl Spliced {
             energy,
         };
         let starts = cells.iter().map(|cell| cell.start).collect();
-        Self { cells, starts, above, end }
+        let inverse = inverse(&cells, &end);
+        Self { cells, starts, above, end, inverse }
     }
 
     /// The cell that holds pressure `p`, and the pressure and closure where it ends; `None` from
@@ -343,6 +349,26 @@ impl ContactLaw for Spliced {
             }
         };
         step((from, closure_increment), stiffness, closure)
+    }
+
+    fn interpolate(&self, closures: &[f64], found: &mut Vec<Pressure>) -> bool {
+        let Some(cells) = &self.inverse else { return false };
+        found.clear();
+        let mut near = 0;
+        found.extend(closures.iter().map(|&closure| {
+            if !(0.0..self.end.closure).contains(&closure) {
+                return self.pressure(closure);
+            }
+            while near > 0 && closure < cells[near].closure {
+                near -= 1;
+            }
+            while cells.get(near + 1).is_some_and(|next| next.closure <= closure) {
+                near += 1;
+            }
+            let value = cells[near].pressure(closure);
+            Pressure { value, tangent: self.cells[cells[near].cubic].stiffness(value) }
+        }));
+        true
     }
 
     fn energy(&self, closure: f64) -> f64 {

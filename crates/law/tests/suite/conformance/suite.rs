@@ -62,6 +62,7 @@ pub(crate) fn conform(law: &dyn ContactLaw, pressures: &[f64]) -> Outcome {
         energies_agree(law, p)?;
         differences_agree(law, p)?;
     }
+    interpolations_agree(law, &all)?;
     monotone(law, &all)?;
     limits(law, pressures)?;
     separation(law, pressures)
@@ -71,6 +72,26 @@ pub(crate) fn conform(law: &dyn ContactLaw, pressures: &[f64]) -> Outcome {
 fn closures_agree(law: &dyn ContactLaw, p: f64) -> Outcome {
     let d = Bare(law).closure(p);
     close("closure", law.closure(p), d, QUADRATURE * d.abs())
+}
+
+/// Largest error of interpolated pressures over the next pressure at which the law is not smooth.
+const INTERPOLATED: f64 = 1e-10;
+
+/// Pressures from the polynomials of a law that has them, in order and in turn.
+fn interpolations_agree(law: &dyn ContactLaw, pressures: &[f64]) -> Outcome {
+    let (kinks, mut found) = (law.kinks(), Vec::new());
+    let turned = pressures.iter().rev().chain(pressures);
+    let closures: Vec<f64> = turned.clone().map(|&p| law.closure(p)).collect();
+    if !law.interpolate(&closures, &mut found) {
+        return Ok(());
+    }
+    prop_assert_eq!(found.len(), closures.len());
+    for (&p, at) in turned.zip(found) {
+        let next = kinks.iter().copied().find(|kink| *kink >= p).unwrap_or(p);
+        close("interpolated", at.value, p, rounding_of(law, p) + INTERPOLATED * next)?;
+        close("its tangent", at.tangent, law.stiffness(at.value), 64.0 * EPS * at.tangent)?;
+    }
+    Ok(())
 }
 
 /// Rounding of a pressure found from its closure.
