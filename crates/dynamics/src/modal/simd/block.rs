@@ -128,9 +128,6 @@ pub(super) struct Slider<V, C, const N: usize> {
 /// Pressures, or closures, of all interfaces.
 pub(super) type Contacts<S, const N: usize> = [LaneVector<S>; N];
 
-/// The linear equations of all interfaces, row by row.
-pub(super) type Matrix<S, const N: usize> = [[LaneVector<S>; N]; N];
-
 /// Cases side by side, one in each lane.
 pub(super) struct Block<'a, S: Simd, C, const N: usize> {
     pub(super) modes: Vec<Mode<LaneVector<S>, C, N>>,
@@ -139,6 +136,8 @@ pub(super) struct Block<'a, S: Simd, C, const N: usize> {
     pub(super) dampers: Vec<Damper<LaneVector<S>, C>>,
     /// One for each of the N rows if there is friction, else none.
     pub(super) sliders: Vec<Slider<LaneVector<S>, C, N>>,
+    /// The linear equations of a correction and their factors, a row each, of more than two rows.
+    pub(super) factors: Vec<Contacts<S, N>>,
     /// Number of rows, contacts and guides; the rest of the N are unused.
     pub(super) coupled: usize,
     /// The tables of all lanes, one behind the other.

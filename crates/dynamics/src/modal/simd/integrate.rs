@@ -55,14 +55,16 @@ impl BlockRun<'_> {
     }
 
     /// The run in one of the compiled forms of the kernel: two rows, with constants that all lanes
-    /// share or that each lane has of its own; more rows; and both with dissipation. One row takes
-    /// the form of two, which takes a fifth to a quarter more time.
+    /// share or that each lane has of its own; more rows; and both with dissipation, which has a form for
+    /// four rows too: two contacts and the guides of their bodies. One row takes the form of two, which
+    /// takes a fifth to a quarter more time.
     #[inline(always)]
     fn on<S: TableLookup>(self, simd: S) -> Vec<Outcome> {
         let Some((first, others)) = self.lanes.split_first() else { return Vec::new() };
         let uniform = others.iter().all(|lane| Arc::ptr_eq(&lane.tabulated, &first.tabulated));
         match (first.model.rows(), first.model.is_dissipative()) {
             (1 | 2, true) => self.with::<S, Dissipative<S::f64s>, 2>(simd),
+            (3 | 4, true) => self.with::<S, Dissipative<S::f64s>, 4>(simd),
             (1 | 2, false) if uniform => self.with::<S, Uniform, 2>(simd),
             (1 | 2, false) => self.with::<S, PerLane<S::f64s>, 2>(simd),
             _ => self.on_any(simd),

@@ -205,6 +205,7 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
                 .collect(),
             modes: (0..count).map(mode).collect(),
             contacts: std::array::from_fn(contact),
+            factors: vec![[zero; N]; if N == 2 { 0 } else { interfaces }],
             coupled: interfaces,
             rows,
             sensor_per_load: all(&|lane| {

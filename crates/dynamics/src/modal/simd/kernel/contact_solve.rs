@@ -4,9 +4,7 @@
 //! correction is enough, except when a contact opens or closes.
 
 use super::linear_solve::{factor, solve_factored};
-use crate::modal::simd::block::{
-    Block, Coefficient, Contacts, LanePair, LaneVector, Matrix, PAST, Step,
-};
+use crate::modal::simd::block::{Block, Coefficient, Contacts, LanePair, LaneVector, PAST, Step};
 use crate::modal::simd::table_lookup::TableLookup;
 
 /// Newton corrections before a lane is solved by itself.
@@ -15,14 +13,12 @@ const NEWTON: usize = 8;
 /// Rounding to nearest minus this is rounding down, but for the last bit of a whole number.
 const HALF: f64 = 0.5 - 1.0 / 1_073_741_824.0;
 
-/// Pressures and tangents of the laws at given closures, with the linear system of a correction.
+/// Pressures and tangents of the laws at given closures.
 struct Linearised<S: TableLookup, const N: usize> {
     pressure: Contacts<S, N>,
     tangent: Contacts<S, N>,
     /// `-y - B p(y)`
     shortfall: Contacts<S, N>,
-    /// Of `I + B K`.
-    factors: Matrix<S, N>,
 }
 
 impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
@@ -46,9 +42,13 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
             self.predict_traction(simd);
             self.predict_limits(simd);
         }
-        let law = self.linearise(simd, &closure);
+        // Many rows have their factors in memory, and two in registers.
+        let mut kept = if N == 2 { Vec::new() } else { std::mem::take(&mut self.factors) };
+        let mut two = [[four; N]; 2];
+        let factors = if N == 2 { &mut two[..] } else { &mut kept[..] };
+        let law = self.linearise(simd, &closure, factors);
         let mut pressure = law.pressure;
-        let correction = self.correction(simd, &law);
+        let correction = self.correction(simd, &law, factors);
         for i in 0..interfaces {
             closure[i] = pair.add(closure[i], correction[i]);
             pressure[i] = pair.mul_add(law.tangent[i], correction[i], pressure[i]);
@@ -56,7 +56,10 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         let mut tangent = law.tangent;
         let open = self.unsolved(simd, &correction);
         if pair.any(open) {
-            self.refine(simd, open, &mut closure, &mut pressure, &mut tangent);
+            self.refine(simd, open, factors, (&mut closure, &mut pressure, &mut tangent));
+        }
+        if N != 2 {
+            self.factors = kept;
         }
         if C::DISSIPATIVE {
             let before = &past[PAST - 1].closure;
@@ -71,13 +74,18 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
     }
 
     #[inline(always)]
-    fn correction(&self, simd: S, law: &Linearised<S, N>) -> Contacts<S, N> {
+    fn correction(
+        &self,
+        simd: S,
+        law: &Linearised<S, N>,
+        factors: &[Contacts<S, N>],
+    ) -> Contacts<S, N> {
         let interfaces = self.interfaces();
         let mut residual = law.shortfall;
         for i in 0..interfaces {
             residual[i] = LanePair(simd).add(self.contacts[i].predicted, residual[i]);
         }
-        solve_factored(simd, interfaces, &law.factors, residual)
+        solve_factored(simd, interfaces, factors, residual)
     }
 
     /// Lanes whose correction is not negligible.
@@ -99,15 +107,18 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         &mut self,
         simd: S,
         mut open: [S::m64s; 2],
-        closure: &mut Contacts<S, N>,
-        pressure: &mut Contacts<S, N>,
-        tangent: &mut Contacts<S, N>,
+        factors: &mut [Contacts<S, N>],
+        (closure, pressure, tangent): (
+            &mut Contacts<S, N>,
+            &mut Contacts<S, N>,
+            &mut Contacts<S, N>,
+        ),
     ) {
         let interfaces = self.interfaces();
         let pair = LanePair(simd);
         for _ in 1..NEWTON {
-            let law = self.linearise(simd, closure);
-            let correction = self.correction(simd, &law);
+            let law = self.linearise(simd, closure, factors);
+            let correction = self.correction(simd, &law, factors);
             for i in 0..interfaces {
                 let reached = pair.add(closure[i], correction[i]);
                 let pressed = pair.mul_add(law.tangent[i], correction[i], law.pressure[i]);
@@ -125,14 +136,20 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         let (mut alone, mut pressed) = (*closure, *pressure);
         self.solve_fallback(&marks, &mut alone, &mut pressed);
         (*closure, *pressure) = (alone, pressed);
-        let law = self.linearise(simd, closure);
+        let law = self.linearise(simd, closure, factors);
         for i in 0..interfaces {
             tangent[i] = pair.select(open, law.tangent[i], tangent[i]);
         }
     }
 
+    /// The laws at given closures, and the factors of `I + B K` there.
     #[inline(always)]
-    fn linearise(&self, simd: S, closure: &Contacts<S, N>) -> Linearised<S, N> {
+    fn linearise(
+        &self,
+        simd: S,
+        closure: &Contacts<S, N>,
+        factors: &mut [Contacts<S, N>],
+    ) -> Linearised<S, N> {
         let interfaces = self.interfaces();
         let pair = LanePair(simd);
         let (mut pressure, mut tangent) = (*closure, *closure);
@@ -149,21 +166,20 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         let zero = pair.splat(0.0);
         let one = pair.splat(1.0);
         let mut shortfall = [zero; N];
-        let mut matrix = [[zero; N]; N];
         for i in 0..interfaces {
             shortfall[i] = pair.sub(zero, closure[i]);
             for j in 0..interfaces {
                 let coupling = self.contacts[i].coupling[j].all(simd);
                 shortfall[i] = pair.less_mul(coupling, pressure[j], shortfall[i]);
-                matrix[i][j] = if i == j {
+                factors[i][j] = if i == j {
                     pair.mul_add(coupling, tangent[j], one)
                 } else {
                     pair.mul(coupling, tangent[j])
                 };
             }
         }
-        let factors = factor(simd, interfaces, matrix);
-        Linearised { pressure, tangent, shortfall, factors }
+        factor(simd, interfaces, factors);
+        Linearised { pressure, tangent, shortfall }
     }
 
     /// Pressure increment \[Pa\] at a closure, in cells from rest, and its tangent per cell; with

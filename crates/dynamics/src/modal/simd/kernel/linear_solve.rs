@@ -5,16 +5,16 @@
 
 use pulp::Simd;
 
-use crate::modal::simd::block::{Contacts, LanePair, Matrix};
+use crate::modal::simd::block::{Contacts, LanePair};
 
-/// Factors for [`solve_factored`]: the inverse of up to two equations, by Cramer's rule with one
+/// Replaces a matrix by its factors for [`solve_factored`]: the inverse of up to two equations, by Cramer's rule with one
 /// division, or else the factors of elimination with the inverse pivots on the diagonal.
 #[inline(always)]
 pub(super) fn factor<S: Simd, const N: usize>(
     simd: S,
     equations: usize,
-    mut matrix: Matrix<S, N>,
-) -> Matrix<S, N> {
+    matrix: &mut [Contacts<S, N>],
+) {
     let pair = LanePair(simd);
     let one = pair.splat(1.0);
     if N == 2 {
@@ -26,7 +26,7 @@ pub(super) fn factor<S: Simd, const N: usize>(
         matrix[0][N - 1] = pair.mul(b, less);
         matrix[N - 1][0] = pair.mul(c, less);
         matrix[N - 1][N - 1] = pair.mul(a, inverse);
-        return matrix;
+        return;
     }
     for k in 0..equations {
         let inverse = pair.div(one, matrix[k][k]);
@@ -41,7 +41,6 @@ pub(super) fn factor<S: Simd, const N: usize>(
             }
         }
     }
-    matrix
 }
 
 /// The solution of equations that were factored.
@@ -49,7 +48,7 @@ pub(super) fn factor<S: Simd, const N: usize>(
 pub(super) fn solve_factored<S: Simd, const N: usize>(
     simd: S,
     equations: usize,
-    factors: &Matrix<S, N>,
+    factors: &[Contacts<S, N>],
     mut right: Contacts<S, N>,
 ) -> Contacts<S, N> {
     let pair = LanePair(simd);
@@ -88,7 +87,8 @@ mod tests {
                 |of: &dyn Fn(usize) -> f64| -> f64 { (0..N).map(|j| of(j) * solution[j]).sum() };
             [sum(&|j| matrix[i][j]), sum(&|j| matrix[j][i])]
         });
-        let factors = factor(simd, N, both);
+        let mut factors = both;
+        factor(simd, N, &mut factors);
         for (found, exact) in solve_factored(simd, N, &factors, right).iter().zip(&solution) {
             // A few roundings of numbers up to ten.
             assert!(found.iter().all(|x| (x - exact).abs() < 1e-14), "{found:?} {exact}");
