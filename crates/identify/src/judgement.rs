@@ -115,11 +115,21 @@ const LARGEST_R_HAT: f64 = 1.05;
 /// the noise of the draws.
 const SLACK: f64 = 0.05;
 
+/// The same distance up to which a skewed posterior accounts for it, if its draws have converged and the data are
+/// explained.
+const SKEWED: f64 = 0.5;
+
 /// Deviance above the best fit up to which another optimum is as good.
 const AS_GOOD: f64 = 4.0;
 
 /// Least share of a number of the law in an undetermined combination.
 const LEAST_SHARE: f64 = 0.1;
+
+/// Distance of a value from an interval, over the width of the interval; infinite if that is no number.
+fn beyond(value: f64, low: f64, high: f64) -> f64 {
+    let share = (low - value).max(value - high) / (high - low);
+    if share.is_nan() { f64::INFINITY } else { share }
+}
 
 impl Reason {
     fn new(
@@ -433,15 +443,16 @@ impl Identification {
             let side = usize::from(value > high);
             let is_open = estimate.at_bound || self.is_open(place, side);
             if !inside && !is_open {
+                let (usability, why) = self.of_best_outside(beyond(value, low, high));
                 let words = format!(
-                    "the best value of {}, {}, is outside its interval, {} to {}.",
+                    "the best value of {}, {}, is outside its interval, {} to {}{why}.",
                     estimate.label,
                     four_digits(value),
                     four_digits(low),
                     four_digits(high)
                 );
                 let numbers = [("value", value), ("lower", low), ("upper", high)];
-                found.push(Reason::new(ReasonKind::Interval, Usability::No, words, numbers));
+                found.push(Reason::new(ReasonKind::Interval, usability, words, numbers));
             }
         }
         let law = &self.law;
@@ -453,18 +464,39 @@ impl Identification {
         let outside: Vec<usize> = (0..law.pressure.len()).filter(outside).collect();
         if let (Some(first), Some(last)) = (outside.first(), outside.last()) {
             let [low, high] = [law.pressure[*first], law.pressure[*last]];
+            let off = |&i: &usize| beyond(law.stiffness[i], law.lower[i], law.upper[i]);
+            let farthest = outside.iter().map(off).fold(0.0, f64::max);
+            let (usability, why) = self.of_best_outside(farthest);
             let words = format!(
-                "the best fit of law \"{}\" is outside its own band at {} pressures from {} to {} MPa.",
+                "the best fit of law \"{}\" is outside its own band at {} pressures from {} to {} MPa, by up to {} % of its width{why}.",
                 law.name,
                 outside.len(),
                 four_digits(1e-6 * low),
-                four_digits(1e-6 * high)
+                four_digits(1e-6 * high),
+                four_digits(100.0 * farthest)
             );
-            let numbers =
-                [("pressures", outside.len() as f64), ("lower_pa", low), ("upper_pa", high)];
-            found.push(Reason::new(ReasonKind::Interval, Usability::No, words, numbers));
+            let numbers = [
+                ("pressures", outside.len() as f64),
+                ("lower_pa", low),
+                ("upper_pa", high),
+                ("beyond", farthest),
+            ];
+            found.push(Reason::new(ReasonKind::Interval, usability, words, numbers));
         }
         found
+    }
+
+    /// Usability of a law whose best value is outside its interval by a share of the interval's width, and why
+    /// it may be: an interval with equal tails holds the mass of a skewed posterior, not its highest density.
+    fn of_best_outside(&self, share: f64) -> (Usability, &'static str) {
+        if share <= SKEWED && self.sampler_has_converged() && self.explains() {
+            (
+                Usability::WithCare,
+                "; the draws have converged: the posterior is skewed, and most of it lies on one side of the best fit",
+            )
+        } else {
+            (Usability::No, "")
+        }
     }
 
     /// True if the profile of a parameter has no end on a side.
