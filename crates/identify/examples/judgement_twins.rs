@@ -172,13 +172,25 @@ fn run(table: &Path, seed: u64, twins: std::ops::Range<usize>) {
     count(&rows(table));
 }
 
-/// Prints the residuals of each feature with the right model from the true damping, in standard deviations.
+/// Prints the law beside the true one, and the residuals of each feature in standard deviations, with the right
+/// model from the true damping.
 fn truth(seed: u64, twin: usize) {
     let rig = Rig::new(seed, twin);
     let found = identify(&rig.at_truth().fast()).unwrap();
     println!("{} of {}: chi-square {:.0}", rig.kind, rig.law, found.goodness.chi_square);
     for estimate in found.estimates() {
         println!("  {}: {}", estimate.name, estimate.value);
+    }
+    let (band, exact) = (&found.law, Tabulated::new(&rig.points).unwrap());
+    for i in (0..band.pressure.len()).filter(|&i| band.informed[i]) {
+        let off = |found: f64| 100.0 * (found / exact.stiffness(band.pressure[i]) - 1.0);
+        println!(
+            "  K at {:.4e} Pa: off by {:+.3} %, from {:+.3} to {:+.3} %",
+            band.pressure[i],
+            off(band.stiffness[i]),
+            off(band.lower[i]),
+            off(band.upper[i])
+        );
     }
     for one in found.observations() {
         let residual = one.residual * found.noise_factor;

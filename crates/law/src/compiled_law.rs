@@ -44,7 +44,8 @@ pub use cubic_cell::CubicCell;
 /// The absolute error of the increment is estimated, not proven:
 /// [`error_estimate`](Self::error_estimate) is twice the largest difference from the law found at
 /// eight points of the first cells, of cells with a kink and of every sixteenth cell, and from the quintic
-/// Hermite interpolant in the middle of the others, plus the rounding of the evaluation. In a smooth cell
+/// Hermite interpolant (or a law's own [`interpolate`](ContactLaw::interpolate)) in the middle of the others, plus
+/// the rounding of the evaluation. In a smooth cell
 /// the error of a Hermite cubic has one flat maximum; next to a kink the samples find more than
 /// half of it. The estimate is absolute because the relative error of any polynomial is large at
 /// loss of contact, where a power law starts as `d^(1/(1-m))`. Just above loss of contact a

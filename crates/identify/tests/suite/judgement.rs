@@ -180,6 +180,25 @@ fn failed_numerics_void_the_law() {
         }
     }
     assert_eq!(allowed(&wrong, ReasonKind::Interval), Usability::No);
+    // The band beside the best fit by a share of its width, as of a skewed posterior.
+    let skewed = |share: f64| {
+        let mut wrong = right();
+        let law = &mut wrong.law;
+        for i in 0..law.pressure.len() {
+            let width = law.upper[i] - law.lower[i];
+            law.lower[i] = law.stiffness[i] + share * width;
+            law.upper[i] = law.lower[i] + width;
+        }
+        wrong
+    };
+    for (share, expected) in
+        [(0.04, Usability::Yes), (0.2, Usability::WithCare), (0.6, Usability::No)]
+    {
+        assert_eq!(allowed(&skewed(share), ReasonKind::Interval), expected, "{share}");
+    }
+    let mut wrong = skewed(0.2);
+    wrong.posterior.diagnostics.r_hat[1] = 1.03;
+    assert_eq!(allowed(&wrong, ReasonKind::Interval), Usability::No);
     let mut wrong = right();
     for start in wrong.fit.starts.iter_mut().skip(1) {
         start.cost = wrong.fit.cost + 50.0;

@@ -198,18 +198,14 @@ impl Truth {
         let mut noise = Noise::new(sensors.seed);
         let ratio = 10.0_f64.powf(-sensors.signal_to_noise_db / 20.0);
         let rms = |signal: &[f64]| (signal.iter().map(|x| x * x).sum::<f64>() / count).sqrt();
-        // The force is zero outside its pulse, where an analysis takes no noise.
-        let deviations = [rms(force), rms(response)].map(|rms| ratio * rms);
-        let peak = force.iter().fold(0.0_f64, |peak, force| peak.max(*force));
-        let force = force.iter().map(|f| {
-            let within = if *f > 1e-3 * peak { deviations[0] * noise.normal() } else { 0.0 };
-            sensors.force_gain * (f + within)
-        });
-        let force: Vec<f64> = force.collect();
-        let noisy = |x: &f64| sensors.response_gain * (x + deviations[1] * noise.normal());
+        // Noise of a pulse so short is one complex factor of all lines, which their own deviations do not state:
+        // the force has none.
+        let force: Vec<f64> = force.iter().map(|f| sensors.force_gain * f).collect();
+        let deviation_of_response = ratio * rms(response);
+        let noisy = |x: &f64| sensors.response_gain * (x + deviation_of_response * noise.normal());
         let response: Vec<f64> = response.iter().map(noisy).collect();
         // Each part of the transform of white noise of this deviation, with the least force of the lines.
-        let part = deviations[1] * (0.5 * count).sqrt() / rate;
+        let part = deviation_of_response * (0.5 * count).sqrt() / rate;
         let (mut columns, mut deviation) = ([const { Vec::new() }; 3], 0.0_f64);
         for line in 0..lines {
             let frequency = (first + line as f64) * spacing;

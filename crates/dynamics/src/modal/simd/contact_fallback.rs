@@ -174,16 +174,16 @@ fn correction<const N: usize>(
 ) -> [f64; N] {
     let rows = contacts.len();
     let mut matrix = [[0.0; N]; N];
-    for i in 0..rows {
-        for j in 0..rows {
-            matrix[i][j] = f64::from(u8::from(i == j)) + tangent[i] * contacts[i].coupling[j];
-        }
+    for (i, contact) in contacts.iter().enumerate() {
+        matrix[i] = contact.coupling.map(|coupling| tangent[i] * coupling);
+        matrix[i][i] += 1.0;
     }
     for k in 0..rows {
+        let pivot = matrix[k];
         for i in k + 1..rows {
-            let factor = matrix[i][k] / matrix[k][k];
-            for j in k + 1..rows {
-                matrix[i][j] -= factor * matrix[k][j];
+            let factor = matrix[i][k] / pivot[k];
+            for (entry, above) in matrix[i].iter_mut().zip(&pivot).skip(k + 1) {
+                *entry -= factor * above;
             }
             right[i] -= factor * right[k];
         }
