@@ -24,6 +24,13 @@ const LATENT_TOLERANCE: f64 = 1e-4;
 /// Times at most that a fit is repeated from a draw of lower cost.
 const MOST_REPEATED: usize = 2;
 
+/// Share of chi-square, of a fit that ended far from its data, below which a fit with larger standard deviations shows
+/// that it ended short.
+const SHORT: f64 = 0.5;
+
+/// Times at most that a search goes on so.
+const MOST_CONTINUED: usize = 4;
+
 /// A fit and what follows from it alone.
 pub(super) struct SampledFit {
     /// The fit with the standard deviations as given.
@@ -56,6 +63,7 @@ pub(super) fn sampled_fit(
     progress: &ProgressCallback<'_>,
 ) -> Result<SampledFit, IdentificationError> {
     let own = own_fit(problem, forward, unfinished, progress)?;
+    let own = continued(problem, forward, own, progress)?;
     let mut found = sampled_from(problem, (forward, about), own, unfinished, progress)?;
     for _ in 0..MOST_REPEATED {
         let Some(better) = found.better.take() else { break };
@@ -170,6 +178,40 @@ fn own_fit(
         return Err(unfinished.stopped(WorkStage::Fit, given, None, Vec::new(), laws));
     }
     Ok(given)
+}
+
+/// A fit that ended far from its data goes on from a fit with larger standard deviations: where residuals are hundreds of
+/// deviations long, the valley of their squares is so narrow and bent that a search ends in it for want of progress,
+/// and beside a prior that is of the same size it does not.
+fn continued(
+    problem: &IdentificationProblem,
+    forward: &mut ScenarioModel,
+    mut own: FitSolution,
+    progress: &ProgressCallback<'_>,
+) -> Result<FitSolution, IdentificationError> {
+    for _ in 0..MOST_CONTINUED {
+        if !far_from_data(&own) || problem.work.is_stopped() {
+            break;
+        }
+        let factor = Fit::resumed(&*forward, own.clone(), progress)?.goodness().noise_factor;
+        let scaled = {
+            let model = ScaledNoise::new(&*forward, factor);
+            refit_with_progress(&model, &own, progress).map(Fit::into_solution)
+        };
+        // The fit as it is stands where the other one was stopped or has no predictions.
+        let Ok(scaled) = scaled else { break };
+        if scaled.chi_square * factor * factor > SHORT * own.chi_square {
+            break;
+        }
+        let start = own.clone().with_start(scaled.point);
+        let Ok(again) = refit_with_progress(&*forward, &start, progress) else { break };
+        let again = at_held_steps(problem, forward, again.into_solution(), progress)?;
+        if again.chi_square > SHORT * own.chi_square {
+            break;
+        }
+        own = again;
+    }
+    Ok(own)
 }
 
 /// True for a fit whose cost is so large that a small part of it is no small part of the spread of chi-square.
