@@ -277,3 +277,30 @@ fn strains_as_given(
     }
     Ok(strains)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::Instant;
+
+    use super::*;
+    use crate::built_model::BuiltModel;
+
+    /// Three receptances of a random rig, whose search for a free law ends at a chi-square of tens of millions, goes on
+    /// to its minimum: with 84 numbers and some ten that they inform, chi-square is about 74 +- 12.
+    #[test]
+    fn a_search_that_ends_far_from_its_data_goes_on() {
+        let file = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../fixtures/problems/receptances_of_a_free_law.json"
+        );
+        let problem = IdentificationProblem::read(file).unwrap().fast();
+        let problem = problem.with_pressures().unwrap();
+        let BuiltModel { mut forward, .. } = problem.model().unwrap();
+        let law = problem.law().unwrap();
+        let unfinished = Unfinished::begin(&problem, &forward, &law, Instant::now());
+        let own = own_fit(&problem, &mut forward, &unfinished, &|_| ()).unwrap();
+        assert!(own.chi_square > 1e4, "the search ended at {}", own.chi_square);
+        let found = continued(&problem, &mut forward, own, &|_| ()).unwrap();
+        assert!((20.0..110.0).contains(&found.chi_square), "{}", found.chi_square);
+    }
+}
