@@ -132,7 +132,8 @@ impl CompiledLaw {
             let inverted = || found - law.pressure_increment(self.pressure_state, x).value;
             off.unwrap_or_else(inverted).abs()
         };
-        let larger = |most: f64, off: f64| if off.is_nan() { off } else { most.max(off) };
+        // Neither a NaN before nor one now is lost.
+        let larger = |most: f64, off: f64| if off > most || off.is_nan() { off } else { most };
         CHECKS.into_iter().zip(closures).enumerate().map(off).fold(0.0, larger)
     }
 }
