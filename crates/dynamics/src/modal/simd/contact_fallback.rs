@@ -3,7 +3,7 @@
 use super::block::{Block, Coefficient, LaneVector, WHOLE, lane_of, set_lane};
 use super::table_lookup::{TableLookup, TableRow};
 
-/// Most corrections. Kinks of the laws and of friction take a few, ten at most.
+/// Most corrections.
 const CORRECTIONS: usize = 100;
 
 /// Largest error of a closure that is left, in cells.
@@ -115,8 +115,8 @@ fn minimum<const N: usize>(contacts: &[Curve<'_, N>], target: &[f64; N]) -> ([f6
             None => 0.0,
         })
     };
-    let mut q = [0.0; N];
-    for _ in 0..CORRECTIONS {
+    let (mut q, mut corrections) = ([0.0; N], 0);
+    loop {
         let lost = coupled(&q);
         let y: [f64; N] = std::array::from_fn(|i| target[i] - lost[i]);
         let (mut p, mut tangent) = (q, [0.0; N]);
@@ -124,9 +124,10 @@ fn minimum<const N: usize>(contacts: &[Curve<'_, N>], target: &[f64; N]) -> ([f6
             (p[i], tangent[i]) = contacts[i].pressure(y[i]);
         }
         let off: [f64; N] = std::array::from_fn(|i| p[i] - q[i]);
-        if coupled(&off).iter().all(|error| error.abs() < ERROR) {
+        if corrections == CORRECTIONS || coupled(&off).iter().all(|error| error.abs() < ERROR) {
             return (y, p);
         }
+        corrections += 1;
         let change = correction(contacts, &tangent, off);
         let way = coupled(&change).map(|lost| -lost);
         let slope = |share: f64| -> f64 {
@@ -141,10 +142,6 @@ fn minimum<const N: usize>(contacts: &[Curve<'_, N>], target: &[f64; N]) -> ([f6
             q[i] += share * change[i];
         }
     }
-    let lost = coupled(&q);
-    let y: [f64; N] = std::array::from_fn(|i| target[i] - lost[i]);
-    let pressed = |i: usize| contacts.get(i).map_or(0.0, |contact| contact.pressure(y[i]).0);
-    (y, std::array::from_fn(pressed))
 }
 
 /// The share of a correction at which the energy, whose slope is given, hardly falls any more: all of it, or
@@ -236,7 +233,7 @@ mod tests {
             (state >> 11) as f64 / (1_u64 << 53) as f64
         };
         for trial in 0..2000 {
-            // Steep and flat pieces in turn above loss of contact, up to a million times apart.
+            // Steep and flat pieces above loss of contact, up to 1e8 times apart.
             let tables: Vec<Vec<TableRow>> = (0..N)
                 .map(|_| {
                     let mut level = -10.0;
