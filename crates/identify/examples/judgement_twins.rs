@@ -28,9 +28,13 @@ use std::collections::BTreeMap;
 use std::fs::OpenOptions;
 use std::io::Write as _;
 use std::path::Path;
-use std::time::Instant;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
-use asperity_identify::{Identification, Judgement, ReasonKind, Usability, identify};
+use asperity_identify::{
+    Identification, IdentificationError, IdentificationProblem, Judgement, ReasonKind, Usability,
+    identify,
+};
 use asperity_law::{ContactLaw, Tabulated};
 use serde::{Deserialize, Serialize};
 use wrong_models::{KINDS, Rig};
@@ -57,6 +61,40 @@ struct Row {
     /// Root mean square residual of each feature, in standard deviations.
     residuals: BTreeMap<String, f64>,
     wall_s: f64,
+    /// Estimated over true time left after a tenth and after a half of the time; none where nothing was estimated.
+    #[serde(default)]
+    time_left: [Option<f64>; 2],
+}
+
+/// Shares of the time at which the time left is judged.
+const JUDGED: [f64; 2] = [0.1, 0.5];
+
+/// The identification of a problem, its seconds, and its estimates of the time left over the true one.
+fn watched(
+    problem: &IdentificationProblem,
+) -> (Result<Identification, IdentificationError>, f64, [Option<f64>; 2]) {
+    let (started, is_done) = (Instant::now(), AtomicBool::new(false));
+    let seconds = || started.elapsed().as_secs_f64();
+    let (found, whole, estimates) = std::thread::scope(|scope| {
+        let watch = scope.spawn(|| {
+            let mut estimates = Vec::new();
+            while !is_done.load(Ordering::Relaxed) {
+                let left = problem.work().progress().and_then(|progress| progress.left);
+                estimates.push((seconds(), left.map(|left| left.as_secs_f64())));
+                std::thread::sleep(Duration::from_millis(50));
+            }
+            estimates
+        });
+        let found = identify(problem);
+        let whole = seconds();
+        is_done.store(true, Ordering::Relaxed);
+        (found, whole, watch.join().unwrap())
+    });
+    let ratios = JUDGED.map(|share| {
+        let (at, left) = *estimates.iter().find(|(at, _)| *at >= share * whole)?;
+        Some(left? / (whole - at))
+    });
+    (found, whole, ratios)
 }
 
 fn word(usability: Usability) -> String {
@@ -158,13 +196,14 @@ fn run(table: &Path, seed: u64, twins: std::ops::Range<usize>) {
                 degrees_of_freedom: 0,
                 residuals: BTreeMap::new(),
                 wall_s: 0.0,
+                time_left: [None; 2],
             };
-            let started = Instant::now();
-            match identify(&rig.problem(right).fast()) {
+            let (found, wall_s, time_left) = watched(&rig.problem(right).fast());
+            (row.wall_s, row.time_left) = (wall_s, time_left);
+            match found {
                 Ok(found) => row.judged(&found, &truth),
                 Err(error) => row.reasons.push(error.to_string()),
             }
-            row.wall_s = started.elapsed().as_secs_f64();
             let mut file = OpenOptions::new().create(true).append(true).open(table).unwrap();
             writeln!(file, "{}", serde_json::to_string(&row).unwrap()).unwrap();
         }
@@ -234,5 +273,13 @@ fn count(rows: &[Row]) {
                 own.iter().filter(is_calm).count(),
             );
         }
+    }
+    for (place, share) in JUDGED.iter().enumerate() {
+        let known: Vec<f64> = rows.iter().filter_map(|row| row.time_left[place]).collect();
+        let within = known.iter().filter(|ratio| (0.5..=2.0).contains(*ratio)).count();
+        println!(
+            "Time left after {share} of the time within a factor of two: {within} of {}",
+            known.len()
+        );
     }
 }
