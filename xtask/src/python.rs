@@ -18,7 +18,7 @@ const INTERPRETERS: [&str; 2] = ["python3", "python"];
 const ACCEPTED: &str = "import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 10))";
 
 /// Packages that build and test the wheel.
-const TOOLS: [&str; 4] = ["maturin>=1.9,<2", "mypy", "numpy", "pytest"];
+const TOOLS: [&str; 5] = ["maturin>=1.9,<2", "mypy", "numpy", "pytest", "pytest-xdist"];
 
 /// Packages that results are compared with, that take tables, that run the notebooks, and the widget; tests
 /// without them skip, by name.
@@ -95,7 +95,7 @@ pub(crate) fn run() -> Result<bool> {
             &["-m", "mypy", "--strict", "python/asperity", "tests", "benches"],
             &package,
         )?
-        && call(&python, &["-m", "pytest", "--quiet"], &package)?)
+        && call(&python, &["-m", "pytest", "--quiet", "--numprocesses", "2"], &package)?)
 }
 
 /// Interpreter that PYTHON or the path names and that is new enough.

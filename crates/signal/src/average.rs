@@ -10,7 +10,8 @@ use crate::error::{Result, SignalError, check_rate, check_samples};
 use crate::form::{FrfForm, ResponseKind};
 use crate::frf::{ForceMask, Frf};
 use crate::response::FrequencyResponse;
-use crate::spectrum::{PADDING_LIMIT, Spectrum, fast_length, inverse_transform};
+use crate::spectrum::{PADDING_LIMIT, Spectrum};
+use asperity_transform::{fast_length, inverse};
 use num_complex::Complex64;
 use statistics::RunningVariance;
 
@@ -325,7 +326,7 @@ impl FrfAverage {
             if is_zero { Complex64::ZERO } else { estimator.value(f, x, c) * f }
         });
         let correlation = |spectrum: Vec<Complex64>| {
-            let mut samples = inverse_transform(spectrum, OVERSAMPLING * self.length);
+            let mut samples = inverse(spectrum, OVERSAMPLING * self.length);
             // No delay in the middle.
             samples.rotate_right(self.length);
             samples

@@ -1,7 +1,8 @@
 //! The Fourier sum at any frequency by interpolation of one FFT.
 
 use crate::bessel::bessel_i0;
-use crate::spectrum::{Spectrum, fast_length};
+use crate::spectrum::Spectrum;
+use asperity_transform::fast_length;
 use num_complex::Complex64;
 use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};

@@ -38,8 +38,7 @@
 //! peak returns `None`, never a limit of its window; frequencies at which the force is too weak are
 //! masked.
 //!
-//! The crate contains no mechanics. Fast transforms come from `realfft`, which wraps `rustfft`
-//! for real signals.
+//! The crate contains no mechanics. Fast transforms are those of `asperity-transform`.
 //!
 //! ```
 //! use asperity_signal::{HarmonicOptions, FrequencyResponse, find_harmonics, half_power};
@@ -100,6 +99,7 @@ mod transform;
 mod uncertainty;
 mod window;
 
+pub use asperity_transform::fast_length;
 pub use average::{
     Coherence, FrfAverage, FrfEstimator, FrfSums, HvScaling, MagnitudeSpread, SpectralDensity,
 };
@@ -142,7 +142,7 @@ pub use ring_down::{
 };
 pub use sampled_peak::SampledPeak;
 pub use shared_force::SharedForce;
-pub use spectrum::{Spectrum, fast_length};
+pub use spectrum::Spectrum;
 pub use transform::{transform_at, transform_pair_at};
 pub use uncertainty::{
     NoiseDensity, NoiseWindows, PeakUncertainty, peak_uncertainty, ratio_uncertainty,

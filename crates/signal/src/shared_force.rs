@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
+use asperity_transform::{fast_length, forward};
 use num_complex::Complex64;
 
 use crate::damping::half_power_of;
@@ -10,7 +11,6 @@ use crate::form::ResponseKind;
 use crate::harmonics::{HarmonicOptions, harmonics_of};
 use crate::receptance_features::ReceptanceFeatures;
 use crate::spectra::{BandSpectra, HitSpectra, Ripple};
-use crate::spectrum::{fast_length, forward_transform};
 use crate::transform::transform_at;
 
 /// Zero padding of the grid of transforms.
@@ -144,7 +144,7 @@ impl CentredTransform {
         let mut padded = vec![0.0; length];
         padded[..samples.len() - centre].copy_from_slice(&samples[centre..]);
         padded[length - centre..].copy_from_slice(&samples[..centre]);
-        let mut values = forward_transform(padded);
+        let mut values = forward(padded);
         values.truncate(keep);
         for value in &mut values {
             *value *= scale;

@@ -2,7 +2,7 @@
 
 use super::band_pass::{BandPass, check_band};
 use crate::error::{Result, check_rate, check_samples};
-use crate::spectrum::{fast_length, forward_transform, inverse_transform};
+use asperity_transform::{fast_length, forward, inverse};
 use num_complex::Complex64;
 
 /// Impulse response of the filter at which the zero padding ends.
@@ -58,7 +58,7 @@ pub(super) fn filtered(
     let length = fast_length(samples.len() + padding);
     let mut padded = vec![0.0; length];
     padded[..samples.len()].copy_from_slice(samples);
-    let mut spectrum = forward_transform(padded);
+    let mut spectrum = forward(padded);
     let step = sample_rate_hz / length as f64;
     let scale = 1.0 / length as f64;
     let gains = |k: usize| {
@@ -81,7 +81,7 @@ pub(super) fn filtered(
         *value *= even;
     }
     let invert = |spectrum| {
-        let mut output = inverse_transform(spectrum, length);
+        let mut output = inverse(spectrum, length);
         output.truncate(samples.len());
         output
     };
