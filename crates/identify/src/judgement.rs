@@ -1,10 +1,11 @@
 //! The judgement of an identification: whether its law may be used, and the reasons.
 
+mod intervals;
 mod premises;
 
 use std::collections::BTreeMap;
 
-use asperity_inference::{Agreement, ModelAssessment, ProfileEnd, Strain, StrainKind};
+use asperity_inference::{Agreement, ModelAssessment, Strain, StrainKind};
 use serde::Serialize;
 
 use crate::build::CONSTANT;
@@ -111,25 +112,8 @@ const DERIVATIVES_WRONG: f64 = 1.0;
 const FEWEST_DRAWS: f64 = 100.0;
 const LARGEST_R_HAT: f64 = 1.05;
 
-/// Distance of a best value from its interval, over the width of the interval, which is rounding and
-/// the noise of the draws.
-const SLACK: f64 = 0.05;
-
-/// The same distance up to which a skewed posterior accounts for it, if its draws have converged and the data are
-/// explained.
-const SKEWED: f64 = 0.5;
-
-/// Deviance above the best fit up to which another optimum is as good.
-const AS_GOOD: f64 = 4.0;
-
 /// Least share of a number of the law in an undetermined combination.
 const LEAST_SHARE: f64 = 0.1;
-
-/// Distance of a value from an interval, over the width of the interval; infinite if that is no number.
-fn beyond(value: f64, low: f64, high: f64) -> f64 {
-    let share = (low - value).max(value - high) / (high - low);
-    if share.is_nan() { f64::INFINITY } else { share }
-}
 
 impl Reason {
     fn new(
@@ -242,8 +226,8 @@ impl Identification {
     /// | distance beyond a bound of the optimum without it | 1 | 3 |
     /// | derivatives off differences, over the largest | 0.1 | 1 |
     /// | sampler | R-hat above 1.02, less than a fifth of the draws effective | R-hat above 1.05, fewer than 100 effective, weights cut, draws that leave out a part of a profile |
-    /// | best value outside its interval | | an interval with two ends, or the band where the data inform it |
-    /// | starts | one alone reached the lowest cost | and the law does not agree; an optimum as good outside the intervals |
+    /// | best value, or another optimum as good, outside its interval: one with two ends, or the band where the data inform it | by half of its width at most, with draws that converged and data that are explained | any other |
+    /// | starts | one alone reached the lowest cost | and the law does not agree |
     /// | rigid support that is not stated | a half-space of steel in its place moves the law by more than five half widths of its band | |
     /// | errors of the integration in a feature, in standard deviations (root mean square) | 1 | |
     /// | compared laws | a constant stiffness is not rejected | another is the best, and the law is rejected |
@@ -364,27 +348,7 @@ impl Identification {
             let numbers = [("starts", all as f64), ("reached", reached as f64)];
             found.push(Reason::new(ReasonKind::Starts, usability, words, numbers));
         }
-        let others = self.fit.distinct_optima.iter().skip(1);
-        let mut as_good = others.filter(|other| 2.0 * (other.cost - self.fit.cost) < AS_GOOD);
-        let apart = as_good.find_map(|other| {
-            let parameters = (0..self.names.len()).filter(|&j| !self.latent[j]);
-            let mut outside = parameters.filter(|&j| !self.holds(j, other.point[j]));
-            outside.next().map(|j| (j, other))
-        });
-        if let Some((j, other)) = apart {
-            let words = format!(
-                "the fit has two optima that the data do not tell apart: {} is {} or {}.",
-                self.labels[j],
-                four_digits(self.fit.point[j]),
-                four_digits(other.point[j])
-            );
-            let numbers = [
-                ("value", self.fit.point[j]),
-                ("other", other.point[j]),
-                ("deviance", 2.0 * (other.cost - self.fit.cost)),
-            ];
-            found.push(Reason::new(ReasonKind::Starts, Usability::No, words, numbers));
-        }
+        found.extend(self.of_second_optimum());
         found
     }
 
@@ -422,87 +386,6 @@ impl Identification {
             ("largest_r_hat", largest),
         ];
         Some(Reason::new(ReasonKind::Sampler, usability, words, numbers))
-    }
-
-    /// True if the posterior interval of a parameter holds a value, up to [`SLACK`].
-    fn holds(&self, parameter: usize, value: f64) -> bool {
-        let tail = 0.5 * (1.0 - self.level);
-        let [low, high] = [tail, 1.0 - tail].map(|tail| self.posterior.quantile(parameter, tail));
-        let slack = SLACK * (high - low) + 1e-9 * value.abs();
-        (low - slack..=high + slack).contains(&value)
-    }
-
-    fn of_intervals(&self) -> Vec<Reason> {
-        let mut found = Vec::new();
-        for estimate in self.estimates() {
-            let [low, high] = estimate.posterior_interval;
-            let value = estimate.value;
-            let place = self.names.iter().position(|name| *name == estimate.name);
-            let inside = place.is_none_or(|place| self.holds(place, value));
-            // The interval of a parameter without a limit on that side has equal tails within the bounds.
-            let side = usize::from(value > high);
-            let is_open = estimate.at_bound || self.is_open(place, side);
-            if !inside && !is_open {
-                let (usability, why) = self.of_best_outside(beyond(value, low, high));
-                let words = format!(
-                    "the best value of {}, {}, is outside its interval, {} to {}{why}.",
-                    estimate.label,
-                    four_digits(value),
-                    four_digits(low),
-                    four_digits(high)
-                );
-                let numbers = [("value", value), ("lower", low), ("upper", high)];
-                found.push(Reason::new(ReasonKind::Interval, usability, words, numbers));
-            }
-        }
-        let law = &self.law;
-        let outside = |i: &usize| {
-            let slack = SLACK * (law.upper[*i] - law.lower[*i]) + 1e-9 * law.stiffness[*i];
-            let inside = law.lower[*i] - slack..=law.upper[*i] + slack;
-            law.informed[*i] && !inside.contains(&law.stiffness[*i])
-        };
-        let outside: Vec<usize> = (0..law.pressure.len()).filter(outside).collect();
-        if let (Some(first), Some(last)) = (outside.first(), outside.last()) {
-            let [low, high] = [law.pressure[*first], law.pressure[*last]];
-            let off = |&i: &usize| beyond(law.stiffness[i], law.lower[i], law.upper[i]);
-            let farthest = outside.iter().map(off).fold(0.0, f64::max);
-            let (usability, why) = self.of_best_outside(farthest);
-            let words = format!(
-                "the best fit of law \"{}\" is outside its own band at {} pressures from {} to {} MPa, by up to {} % of its width{why}.",
-                law.name,
-                outside.len(),
-                four_digits(1e-6 * low),
-                four_digits(1e-6 * high),
-                four_digits(100.0 * farthest)
-            );
-            let numbers = [
-                ("pressures", outside.len() as f64),
-                ("lower_pa", low),
-                ("upper_pa", high),
-                ("beyond", farthest),
-            ];
-            found.push(Reason::new(ReasonKind::Interval, usability, words, numbers));
-        }
-        found
-    }
-
-    /// Usability of a law whose best value is outside its interval by a share of the interval's width, and why
-    /// it may be: an interval with equal tails holds the mass of a skewed posterior, not its highest density.
-    fn of_best_outside(&self, share: f64) -> (Usability, &'static str) {
-        if share <= SKEWED && self.sampler_has_converged() && self.explains() {
-            (
-                Usability::WithCare,
-                "; the draws have converged: the posterior is skewed, and most of it lies on one side of the best fit",
-            )
-        } else {
-            (Usability::No, "")
-        }
-    }
-
-    /// True if the profile of a parameter has no end on a side.
-    fn is_open(&self, parameter: Option<usize>, side: usize) -> bool {
-        let mut own = self.profiles.iter().filter(|one| Some(one.parameter) == parameter);
-        own.next().is_some_and(|profile| profile.ends[side] != ProfileEnd::Crossed)
     }
 
     fn of_law(&self) -> Vec<Reason> {

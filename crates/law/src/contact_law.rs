@@ -150,9 +150,9 @@ pub trait ContactLaw: Debug + Send + Sync {
         inverse::step((from, closure_increment), |pressure| self.stiffness(pressure), closure)
     }
 
-    /// Pressures and tangents at `closures` \[m\], best in order, from polynomials: to within 1e-10 of the pressure
-    /// at the end of the polynomial, far cheaper than [`pressure`](Self::pressure). `false`, and nothing
-    /// found, for a law without such polynomials.
+    /// Pressures and tangents at `closures` \[m\], best in order, cheaper than by [`pressure`](Self::pressure): from
+    /// polynomials, to within 1e-10 of the pressure at the end of the polynomial, or in closed form. `false`, and nothing
+    /// found, for a law without either.
     fn interpolate(&self, _closures: &[f64], _found: &mut Vec<Pressure>) -> bool {
         false
     }

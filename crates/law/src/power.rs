@@ -191,6 +191,31 @@ impl ContactLaw for Power {
         (from > 0.0 && value.is_finite() && value > -from).then_some(Pressure { value, tangent })
     }
 
+    /// In closed form; from first contact with one power each.
+    fn interpolate(&self, closures: &[f64], found: &mut Vec<Pressure>) -> bool {
+        let (p0, e) = (self.reference_pressure, 1.0 - self.exponent);
+        let rate = self.coefficient / raised(p0, e);
+        let inverse = e.recip();
+        let at = |&closure: &f64| {
+            if self.domain.is_open(closure) || self.domain.closure_lost == Some(closure) {
+                return Pressure { value: 0.0, ..self.pressure(closure) };
+            }
+            if closure >= self.domain.closure_limit {
+                return Pressure::RIGID;
+            }
+            if p0 > 0.0 {
+                let p = p0 * ln_1p_over(e, rate * closure).exp();
+                return self.state(p, p);
+            }
+            // `dp/dd = p / ((1 - m) d)`.
+            let scaled = e * closure;
+            let p = (self.coefficient * scaled).powf(inverse);
+            Pressure { value: p, tangent: p / scaled }
+        };
+        found.extend(closures.iter().map(at));
+        true
+    }
+
     fn energy(&self, closure: f64) -> f64 {
         let m = self.exponent;
         if m < 1.0 {

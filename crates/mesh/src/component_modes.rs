@@ -116,15 +116,46 @@ const ROUNDING: f64 = 1e-13;
 ///
 /// Ports may be means over cells and loads in newtons beside each other; and the eigenvalue algorithm loses
 /// digits of numbers far below 1.
-pub fn flexible_shapes(flexibility: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
+fn flexible_shapes(flexibility: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
+    let (scaled, scale) = of_unit_diagonal(flexibility);
+    let found = scaled.self_adjoint_eigen(Side::Lower).ok()?;
+    let values = found.S().column_vector().iter().copied().collect();
+    Some((values, Mat::from_fn(scale.len(), scale.len(), |i, k| scale[i] * found.U()[(i, k)])))
+}
+
+/// The flexibility with its ports scaled to a flexibility of one, and the factor of each; a port without flexibility
+/// stays as it is.
+fn of_unit_diagonal(flexibility: &Mat<f64>) -> (Mat<f64>, Vec<f64>) {
     let size = flexibility.nrows();
     let root = |i: usize| flexibility[(i, i)].max(0.0).sqrt();
     let scale: Vec<f64> = (0..size).map(root).collect();
     let over = |value: f64, by: f64| if by > 0.0 { value / by } else { 0.0 };
     let entry = |i: usize, j: usize| over(over(flexibility[(i, j)], scale[i]), scale[j]);
-    let found = Mat::from_fn(size, size, entry).self_adjoint_eigen(Side::Lower).ok()?;
-    let values = found.S().column_vector().iter().copied().collect();
-    Some((values, Mat::from_fn(size, size, |i, k| scale[i] * found.U()[(i, k)])))
+    (Mat::from_fn(size, size, entry), scale)
+}
+
+/// A matrix F with as many rows as the flexibility has ports, for which `F F^T` is the flexibility \[m/N\]; none without
+/// eigenvalues.
+///
+/// Its columns are massless coordinates of unit stiffness. By Cholesky's factorisation, with 1e-13 of the flexibility of
+/// each port added there, since smooth flexibilities of many ports are singular to rounding; by eigenvalues where that is
+/// not positive definite, without the negative ones.
+pub fn flexibility_factor(flexibility: &Mat<f64>) -> Option<Mat<f64>> {
+    let (mut scaled, scale) = of_unit_diagonal(flexibility);
+    let size = scale.len();
+    for i in 0..size {
+        scaled[(i, i)] += ROUNDING;
+    }
+    if let Ok(cholesky) = scaled.llt(Side::Lower) {
+        let lower = cholesky.L();
+        let entry = |i: usize, j: usize| if i < j { 0.0 } else { scale[i] * lower[(i, j)] };
+        return Some(Mat::from_fn(size, size, entry));
+    }
+    let (values, shapes) = flexible_shapes(flexibility)?;
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let kept: Vec<usize> =
+        (0..size).filter(|&k| values[k] > 1e-15 * largest && values[k] > 0.0).collect();
+    Some(Mat::from_fn(size, kept.len(), |i, k| values[kept[k]].sqrt() * shapes[(i, kept[k])]))
 }
 
 /// Massless modes of the `flexibility` \[m/N\] between some `ports` of a number of them, one for each

@@ -14,10 +14,11 @@
 use std::sync::Arc;
 
 use asperity_law::{ContactDamping, ContactLaw};
-use asperity_mesh::component_modes::flexible_shapes;
+use asperity_mesh::component_modes::flexibility_factor;
 use asperity_mesh::{ComponentModes, PortPair};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use faer::{Accum, Mat, Par, Side};
 
 use crate::{PreloadedContact, StructureError};
 
@@ -291,13 +292,29 @@ impl<'a> EnergyProblem<'a> {
         let weighted = Mat::from_fn(self.contacts.len(), size, |i, k| {
             springs[i].max(self.floor).sqrt() * self.closures[(i, k)]
         });
-        let mut matrix = weighted.transpose() * &weighted;
+        // The lower triangle, which the factorisation reads.
+        let mut matrix = Mat::zeros(size, size);
+        matmul(
+            matrix.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Replace,
+            weighted.transpose(),
+            BlockStructure::Rectangular,
+            weighted.as_ref(),
+            BlockStructure::Rectangular,
+            1.0,
+            Par::Seq,
+        );
         for (k, stiffness) in self.stiffness.iter().enumerate() {
             matrix[(k, k)] += stiffness;
         }
         // Coordinates of one size, in which the factorisation is as precise as it can be.
         let scale: Vec<f64> = (0..size).map(|k| matrix[(k, k)].sqrt().recip()).collect();
-        let matrix = Mat::from_fn(size, size, |i, j| scale[i] * matrix[(i, j)] * scale[j]);
+        for j in 0..size {
+            for i in j..size {
+                matrix[(i, j)] *= scale[i] * scale[j];
+            }
+        }
         let right = Mat::from_fn(size, 1, |k, _| -scale[k] * gradient[k]);
         let failed = |_| StructureError::Eigenvalues { size };
         let solution = matrix.llt(Side::Lower).map_err(failed)?.solve(&right);
@@ -397,14 +414,11 @@ fn flexible_coordinates(
     let count = places.len();
     let residual = |i: usize, j: usize| modes.residual().closure(places[i], places[j]);
     let matrix = Mat::from_fn(count, count, residual);
-    let (values, shapes) =
-        flexible_shapes(&matrix).ok_or(StructureError::Eigenvalues { size: count })?;
-    let largest = values.iter().copied().fold(0.0, f64::max);
-    let coordinate = |k: usize| {
-        let at = |i: usize| values[k].sqrt() * shapes[(i, k)];
+    let factor = flexibility_factor(&matrix).ok_or(StructureError::Eigenvalues { size: count })?;
+    let coordinate = |column: usize| {
+        let at = |i: usize| factor[(i, column)];
         let load = forces.iter().enumerate().map(|(n, (_, force))| force * at(pairs.len() + n));
         ((0..pairs.len()).map(at).collect(), load.sum())
     };
-    let kept = (0..count).filter(|&k| values[k] > 1e-15 * largest && values[k] > 0.0);
-    Ok(kept.map(coordinate).collect())
+    Ok((0..factor.ncols()).map(coordinate).collect())
 }

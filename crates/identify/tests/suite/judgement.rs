@@ -204,10 +204,23 @@ fn failed_numerics_void_the_law() {
         start.cost = wrong.fit.cost + 50.0;
     }
     assert_eq!(allowed(&wrong, ReasonKind::Starts), Usability::WithCare);
-    let mut other = wrong.fit.distinct_optima[0].clone();
-    other.point[1] += 0.2;
-    other.cost = wrong.fit.cost + 0.5;
-    wrong.fit.distinct_optima.push(other);
+    // Another optimum as good, so many widths of the interval above it.
+    let with_another = |widths: f64| {
+        let mut wrong = right();
+        let mut other = wrong.fit.distinct_optima[0].clone();
+        let [low, high] = [0.025, 0.975].map(|tail| wrong.posterior.quantile(1, tail));
+        other.point[1] = high + widths * (high - low);
+        other.cost = wrong.fit.cost + 0.5;
+        wrong.fit.distinct_optima.push(other);
+        wrong
+    };
+    for (widths, expected) in
+        [(0.04, Usability::Yes), (0.3, Usability::WithCare), (0.6, Usability::No)]
+    {
+        assert_eq!(allowed(&with_another(widths), ReasonKind::Starts), expected, "{widths}");
+    }
+    let mut wrong = with_another(0.3);
+    wrong.posterior.diagnostics.r_hat[1] = 1.03;
     assert_eq!(allowed(&wrong, ReasonKind::Starts), Usability::No);
     let mut wrong = right();
     wrong.fit.converged = false;

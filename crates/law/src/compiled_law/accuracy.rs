@@ -98,7 +98,8 @@ impl CompiledLaw {
                 kink += 1;
             }
             let is_kinked = kinks.get(kink).is_some_and(|kink| *kink <= to);
-            let is_edge = i <= if source.is_interpolated() { 1 } else { EDGE };
+            let is_smooth = source.is_interpolated() && !source.is_singular;
+            let is_edge = i <= if is_smooth { 1 } else { EDGE };
             let is_sampled = i % WATCHED == 0 || is_edge || is_kinked || !smooth[i].is_finite();
             let off = if is_sampled { self.sampled(source, grid, i) } else { smooth[i] };
             let found = SAFETY * off + rounding;

@@ -12,6 +12,8 @@ pub(super) struct Source<'a> {
     pub(super) state: f64,
     /// Closure of the state \[m\], if pressures interpolated by the law are exact enough.
     closure: Option<f64>,
+    /// Contact is lost where the stiffness leaves zero with a vertical tangent.
+    pub(super) is_singular: bool,
 }
 
 impl<'a> Source<'a> {
@@ -20,7 +22,8 @@ impl<'a> Source<'a> {
         let is_coarse = limit >= FINER * INTERPOLATION_ERROR * top.abs();
         let is_interpolated = is_coarse && law.interpolate(&[], &mut Vec::new());
         let closure = is_interpolated.then(|| law.closure(state));
-        Self { law, state, closure }
+        let is_singular = law.domain().separates() && law.stiffness_slope(0.0) == f64::INFINITY;
+        Self { law, state, closure, is_singular }
     }
 
     /// True if the law gives pressures that are interpolated.

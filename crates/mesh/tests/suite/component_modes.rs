@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use asperity_law::Constant;
+use asperity_mesh::component_modes::flexibility_factor;
 use asperity_mesh::{
     BarStiffness, Body, ComponentModes, Grid, Interface, MeshError, ModeCount, Port, PortPair,
     ResidualFlexibility, Stack, Support,
@@ -303,5 +304,35 @@ fn matrices_that_make_no_structure_are_errors() {
     let negative = mat![[-2.0, 0.0], [0.0, 1.0]];
     for (k, m) in [(&negative, &m), (&k, &negative), (&mat![[1.0]], &m), (&k, &mat![[0.0]])] {
         assert!(matches!(of(k, m, 0), Err(MeshError::Matrix { .. })));
+    }
+}
+
+/// The factor times its transpose is the flexibility again: of random matrices, of ports apart by eight orders, singular
+/// ones, and with a port without flexibility.
+#[test]
+fn the_factor_of_a_flexibility_gives_it_again() {
+    let mut state = 1_u64;
+    let mut random = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    for (size, rank) in [(1, 1), (5, 5), (60, 60), (6, 3), (40, 39), (7, 0)] {
+        let root = Mat::from_fn(size, rank, |_, _| random());
+        let scale: Vec<f64> = (0..size)
+            .map(|i| if size == 40 && i == 7 { 0.0 } else { 10.0_f64.powf(8.0 * random() - 9.0) })
+            .collect();
+        let exact = Mat::from_fn(size, size, |i, j| {
+            let product: f64 = (0..rank).map(|k| root[(i, k)] * root[(j, k)]).sum();
+            scale[i] * scale[j] * product
+        });
+        let factor = flexibility_factor(&exact).unwrap();
+        assert!(factor.ncols() <= size);
+        let found = &factor * factor.transpose();
+        for i in 0..size {
+            for j in 0..size {
+                let most = 2e-13 * (exact[(i, i)] * exact[(j, j)]).sqrt();
+                assert!((found[(i, j)] - exact[(i, j)]).abs() <= most, "{size} {rank} {i} {j}");
+            }
+        }
     }
 }
