@@ -17,11 +17,11 @@ use crate::analysed_hits::{AnalysedHits, analysed_hits, read_analysis};
 use crate::built_model::{Loader, ObservationLabel};
 use crate::data_files::{self, TableSource};
 use crate::error::IdentificationError;
-use crate::measured_forces::{Force, HitSource, forces_of};
+use crate::measured_forces::{HitSource, forces_of};
 use crate::observed_quantity::ObservedQuantity;
-use crate::problem::{AnalysisRef, DataSpec, PulseSpec, RigRef, SpreadSpec};
+use crate::problem::{AnalysisRef, DataSpec, PulseSpec, RigRef};
 use crate::problem_parameters::is_within;
-use crate::records;
+use crate::records::{self, Force};
 use crate::stepped_sine::read_table;
 use asperity_scenario::{Document, four_digits, schema_of};
 
@@ -71,11 +71,7 @@ impl Loader<'_> {
                     self.built.notices.push(words);
                 }
                 for hit in hits {
-                    let simulated = self.add_recorded_hit(&place, &name, set, &hit)?;
-                    self.receptance(&place, &name, simulated, &hit.lines, |noise| SpreadSpec {
-                        absolute: spread.absolute.hypot(noise),
-                        ..*spread
-                    })?;
+                    self.recorded_receptance(&place, &name, set, *spread, &hit)?;
                 }
                 Ok(())
             }

@@ -18,6 +18,7 @@ use rayon::prelude::*;
 use crate::hit::{PreparedRig, SimulatedHit};
 use crate::observed_quantity::{HitOutcome, ObservedQuantity, PointOutcomes, backbone_of};
 use crate::scenario_model::ScenarioModel;
+use crate::shared_errors::Of;
 use crate::stepped_sine::SweepStencil;
 use asperity_simulation::assemble::Interfaces as _;
 use asperity_simulation::error::SimulationError;
@@ -64,7 +65,8 @@ impl ScenarioModel {
         };
         let gains = self.gains(point);
         let value = |quantity: &ObservedQuantity| quantity.value(&outcomes, &gains, &self.columns);
-        let values: Vec<Option<f64>> = self.quantities.iter().map(value).collect();
+        let mut values: Vec<Option<f64>> = self.quantities.iter().map(value).collect();
+        self.make_errors_independent(&mut values, Of::Values);
         let mut columns = Vec::with_capacity(point.len());
         for (parameter, around) in neighbours.iter().enumerate() {
             let derivatives = PointOutcomes {
@@ -89,7 +91,9 @@ impl ScenarioModel {
                 let rate = moved + central_difference(shown, around.step);
                 (!rate.is_nan()).then_some(rate)
             });
-            columns.push(column.collect::<Vec<_>>());
+            let mut column = column.collect::<Vec<_>>();
+            self.make_errors_independent(&mut column, Of::Rates);
+            columns.push(column);
         }
         let jacobian = (0..self.quantities.len())
             .map(|quantity| columns.iter().map(|column: &Vec<_>| column[quantity]).collect());

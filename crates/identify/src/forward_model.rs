@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::hit::HitResolution;
 use crate::observed_quantity::{ObservedQuantity, PointOutcomes};
 use crate::scenario_model::ScenarioModel;
+use crate::shared_errors::Of;
 
 /// Most points of one batch.
 const MAX_POINTS: usize = 16;
@@ -28,7 +29,9 @@ impl ForwardModel for ScenarioModel {
             let gains = self.gains(point);
             let value =
                 |quantity: &ObservedQuantity| quantity.value(&outcomes, &gains, &self.columns);
-            Ok(self.quantities.iter().map(value).collect())
+            let mut values: Predictions = self.quantities.iter().map(value).collect();
+            self.make_errors_independent(&mut values, Of::Values);
+            Ok(values)
         };
         // Enough points per call to fill a batch, few enough to use all cores.
         let points_per_batch =

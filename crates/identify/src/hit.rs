@@ -1,9 +1,11 @@
 //! Simulated hits: rigs at values of the parameters, and hits on rigs of bars.
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
 use asperity_dynamics::TransientCase;
+use asperity_inference::CorrelatedErrors;
 use asperity_mesh::Port;
 use asperity_structure::{LoadCase, SampledFunction};
 use serde::Deserialize;
@@ -53,6 +55,17 @@ pub(super) struct SimulatedHit {
     pub(super) frequencies: Vec<f64>,
     /// True if its backbone is requested.
     pub(super) backbone: bool,
+    /// Errors that its receptances share.
+    pub(super) shared_errors: Vec<SharedErrors>,
+}
+
+/// Errors of the real and imaginary parts of receptances of a hit.
+#[derive(Debug, Clone)]
+pub(super) struct SharedErrors {
+    /// Places of the receptances among the frequencies of the hit.
+    pub(super) lines: Range<usize>,
+    /// Their errors, in the order of the observations.
+    pub(super) errors: Arc<CorrelatedErrors>,
 }
 
 /// Step and modes of a hit.

@@ -8,7 +8,7 @@ use asperity_scenario::file_sha256;
 use asperity_signal::HitRecord;
 use serde_json::{Map, Value};
 
-use crate::records::force_of;
+use crate::records::{Force, force_of};
 
 /// Largest difference of the times of one hit \[s\], and relative difference of its peaks.
 const SAME_TIME_S: f64 = 0.02;
@@ -21,9 +21,6 @@ pub(super) struct HitSource {
     pub(super) time_s: f64,
     pub(super) peak_n: f64,
 }
-
-/// Times \[s\] and forces \[N\].
-pub(super) type Force = (Vec<f64>, Vec<f64>);
 
 impl HitSource {
     /// The source of a hit of an analysis.

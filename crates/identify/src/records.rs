@@ -13,6 +13,7 @@ use asperity_signal::{
 
 use crate::data_files::ReceptanceLine;
 use crate::error::IdentificationError;
+use crate::force_noise::ForceNoise;
 use crate::problem::{RecordRef, RecordSpec};
 use asperity_experiment::{AnalysisOptions, for_each_hit, input_files};
 
@@ -33,9 +34,14 @@ pub(super) struct RecordedHit {
     pub(super) force_n: Vec<f64>,
     /// Length of the record \[s\].
     pub(super) duration_s: f64,
-    /// Its receptance.
-    pub(super) lines: Vec<ReceptanceLine>,
+    /// Its receptance, and the transform of the force \[N s\] there.
+    pub(super) lines: Vec<(ReceptanceLine, Complex64)>,
+    /// Noise of the force.
+    pub(super) noise: ForceNoise,
 }
+
+/// Times \[s\] and forces \[N\].
+pub(super) type Force = (Vec<f64>, Vec<f64>);
 
 /// Name of records in place.
 const IN_PLACE: &str = "records";
@@ -122,7 +128,7 @@ fn recorded(
     if let Some(issue) = issues.iter().find(|issue| issue.is_disqualifying()) {
         return Err(issue.to_string());
     }
-    let force = force_of(&mut hit).ok_or("no pulse of the force")?;
+    let ((time_s, force_n), force_noise) = cut_force(&mut hit).ok_or("no pulse of the force")?;
     let response = hit.responses.first().ok_or("no response")?;
     let duration_s = hit.force.len() as f64 / rate;
     let spacing = (1.0 / duration_s).max((band[1] - band[0]) / MAX_LINES);
@@ -134,35 +140,40 @@ fn recorded(
         let frequency_hz = band[0] + n as f64 * spacing;
         let (x, f) = transform_pair_at(response, &hit.force, rate, frequency_hz);
         let to_displacement = to_displacement(route, frequency_hz);
-        ReceptanceLine {
+        let line = ReceptanceLine {
             frequency_hz,
             value: to_displacement * x / f,
             deviation: to_displacement.norm() * part / f.norm(),
-        }
+        };
+        (line, f)
     });
-    let lines = lines.filter(|line| line.value.is_finite()).collect();
-    let (time_s, force_n) = force;
-    Ok(RecordedHit { time_s, force_n, duration_s, lines })
+    let lines = lines.filter(|(line, _)| line.value.is_finite()).collect();
+    Ok(RecordedHit { time_s, force_n, duration_s, lines, noise: force_noise })
 }
 
 /// Times \[s\] from the first sample of a hit to the end of its pulse, and the force there \[N\]; in the hit the
 /// force loses its offset and is set to zero outside the pulse.
-pub(super) fn force_of(hit: &mut HitRecord) -> Option<(Vec<f64>, Vec<f64>)> {
+pub(super) fn force_of(hit: &mut HitRecord) -> Option<Force> {
+    cut_force(hit).map(|(force, _)| force)
+}
+
+/// As [`force_of`], with the noise of the force.
+fn cut_force(hit: &mut HitRecord) -> Option<(Force, ForceNoise)> {
     let rate = hit.sample_rate_hz;
     if let Some(offset) = Offset::at_rest(&hit.force) {
         offset.remove(&mut hit.force);
     }
     let pulse = Pulse::of(&hit.force, rate)?;
     let (begin, end) = (pulse.base_s.0 - MARGIN_S, pulse.base_s.1 + MARGIN_S);
-    for (n, force) in hit.force.iter_mut().enumerate() {
-        let time = n as f64 / rate;
-        if time < begin || time > end {
-            *force = 0.0;
-        }
-    }
+    let count = hit.force.len();
+    let first = ((begin * rate).ceil().max(0.0) as usize).min(count);
+    let kept = first..((end * rate).floor() as usize + 1).clamp(first, count);
+    let noise = ForceNoise::of(&hit.force, kept.clone(), TAIL, rate);
+    hit.force[..kept.start].fill(0.0);
+    hit.force[kept.end..].fill(0.0);
     let last = ((end * rate).ceil() as usize + 1).min(hit.force.len()).max(2);
     let time_s = (0..last).map(|n| n as f64 / rate).collect();
-    Some((time_s, hit.force[..last].to_vec()))
+    Some(((time_s, hit.force[..last].to_vec()), noise))
 }
 
 /// Factor from the transform of the response to the transform of the displacement.

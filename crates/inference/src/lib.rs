@@ -22,6 +22,7 @@
 //! | posterior distribution | [`Fit::posterior`], on a response surface with exact weights |
 //! | posterior with an unknown function | [`Fit::latent_posterior`], of [latents](Parameter::latent) with a [`LatentPrior`] |
 //! | draws before the measurement | [`prior_draws`] |
+//! | errors of observations that share causes | [`CorrelatedErrors`] |
 //! | agreement with the data in a word | [`GoodnessOfFit::agreement`] |
 //! | convergence of Markov chains | [`r_hat`], [`effective_sample_size`] |
 //! | comparison of several models | [`compare`] |
@@ -53,6 +54,7 @@
 
 mod comparison;
 mod convergence;
+mod correlated_errors;
 mod covariance;
 mod design;
 mod error;
@@ -88,6 +90,7 @@ pub use comparison::{
     compare_with_progress,
 };
 pub use convergence::{effective_sample_size, r_hat};
+pub use correlated_errors::CorrelatedErrors;
 pub use covariance::{Covariance, NoiseScale};
 pub use design::{DesignCandidate, ExpectedInformation, design_sequence, expected_information};
 pub use error::InferenceError;

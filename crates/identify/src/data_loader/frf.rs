@@ -9,6 +9,7 @@ use asperity_signal::{Frf, FrfForm, SECOND_HARMONIC_WINDOW, SampledPeak};
 use asperity_simulation::quantity::Quantity;
 
 use super::check_band;
+use super::observations::deviations;
 use crate::built_model::Loader;
 use crate::data_files::{self, ReceptanceLine, TableSource};
 use crate::error::IdentificationError;
@@ -56,7 +57,8 @@ impl Loader<'_> {
         };
         if features.is_empty() {
             let simulated = self.add_hit(place, name, &[&hit.set], hit.force_peak_n)?;
-            return self.receptance(place, name, simulated, &lines, with_noise);
+            let own = deviations(&lines, with_noise);
+            return self.receptance(place, name, simulated, &lines, &own);
         }
         let mut found = self.frf_features(place, &lines, (*band_hz, features), with_noise)?;
         // The distance of the lines alone is no standard deviation.

@@ -5,9 +5,9 @@ use serde_json::Value;
 use crate::built_model::Loader;
 use crate::error::IdentificationError;
 use crate::hit::{HitForce, SimulatedHit, apply};
-use crate::measured_forces::Force;
 use crate::problem::Changes;
 use crate::problem_parameters::is_within;
+use crate::records::Force;
 use crate::records::RecordedHit;
 
 impl Loader<'_> {
@@ -64,6 +64,7 @@ impl Loader<'_> {
             resolution: None,
             frequencies: Vec::new(),
             backbone: false,
+            shared_errors: Vec::new(),
         };
         let same = |known: &SimulatedHit| {
             // Hits that differ in the requested results only are one.

@@ -1,13 +1,16 @@
 //! Observations of data: features of hits, receptances, stiffnesses.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::built_model::{Loader, ObservationLabel};
 use crate::data_files::{BackboneRow, ReceptanceLine};
 use crate::error::IdentificationError;
-use crate::measured_forces::Force;
+use crate::hit::SharedErrors;
 use crate::observed_quantity::{ComplexPart, ObservedQuantity};
 use crate::problem::{Changes, HitSpec, SpreadSpec};
+use crate::records::Force;
+use crate::records::RecordedHit;
 use crate::scenario_laws::no_law;
 use crate::stepped_sine::{SimulatedSweep, SteppedRow};
 use asperity_harmonic::Drive;
@@ -115,17 +118,42 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// Adds the receptance at some lines.
+    /// Adds the receptance of a recorded hit, whose lines share the noise of the force.
+    pub(super) fn recorded_receptance(
+        &mut self,
+        place: &str,
+        data: &str,
+        set: &Changes,
+        spread: SpreadSpec,
+        hit: &RecordedHit,
+    ) -> Result<(), IdentificationError> {
+        let simulated = self.add_recorded_hit(place, data, set, hit)?;
+        let lines: Vec<ReceptanceLine> = hit.lines.iter().map(|(line, _)| *line).collect();
+        let own = deviations(&lines, |noise| SpreadSpec {
+            absolute: spread.absolute.hypot(noise),
+            ..spread
+        });
+        let Some(errors) = hit.noise.errors(&hit.lines, &own)? else {
+            return self.receptance(place, data, simulated, &lines, &own);
+        };
+        let first = self.built.forward.hits[simulated].frequencies.len();
+        self.receptance(place, data, simulated, &lines, errors.standard_deviations())?;
+        let shared = SharedErrors { lines: first..first + lines.len(), errors: Arc::new(errors) };
+        self.built.forward.hits[simulated].shared_errors.push(shared);
+        Ok(())
+    }
+
+    /// Adds the receptance at some lines, with the standard deviations of real and imaginary parts \[m/N\].
     pub(super) fn receptance(
         &mut self,
         place: &str,
         data: &str,
         simulated: usize,
         lines: &[ReceptanceLine],
-        spread: impl Fn(f64) -> SpreadSpec,
+        deviations: &[f64],
     ) -> Result<(), IdentificationError> {
         let block = self.next_block();
-        let largest = lines.iter().map(|line| line.value.norm()).fold(0.0, f64::max);
+        let mut deviations = deviations.iter();
         for line in lines {
             let frequencies = &mut self.built.forward.hits[simulated].frequencies;
             let at = frequencies.len();
@@ -135,7 +163,7 @@ impl Loader<'_> {
                 let quantity = ObservedQuantity::Receptance { hit: simulated, place: at, part };
                 let feature = format!("receptance, {word} part");
                 let about = ObservationLabel::new(data, feature, Some(line.frequency_hz));
-                let deviation = spread(line.deviation).of(largest);
+                let deviation = deviations.next().copied().unwrap_or(f64::NAN);
                 self.push(place, block, quantity, about, (part.of(line.value), deviation))?;
             }
         }
@@ -210,4 +238,10 @@ impl Loader<'_> {
             .keys()
             .try_for_each(|feature| self.column(&format!("{place}/floor"), feature).map(|_| ()))
     }
+}
+
+/// Standard deviations of the real and the imaginary part of some lines \[m/N\], those of `spread` at the largest.
+pub(super) fn deviations(lines: &[ReceptanceLine], spread: impl Fn(f64) -> SpreadSpec) -> Vec<f64> {
+    let largest = lines.iter().map(|line| line.value.norm()).fold(0.0, f64::max);
+    lines.iter().flat_map(|line| [spread(line.deviation).of(largest); 2]).collect()
 }
