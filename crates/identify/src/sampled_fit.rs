@@ -24,9 +24,9 @@ const LATENT_TOLERANCE: f64 = 1e-4;
 /// Times at most that a fit is repeated from a draw of lower cost.
 const MOST_REPEATED: usize = 2;
 
-/// Share of chi-square, of a fit that ended far from its data, below which a fit with larger standard deviations shows
-/// that it ended short.
-const SHORT: f64 = 0.5;
+/// Share of chi-square, of a fit that does not agree with its data, below which a fit with larger standard deviations
+/// shows that it ended short.
+const SHORT: f64 = 0.8;
 
 /// Times at most that a search goes on so.
 const MOST_CONTINUED: usize = 4;
@@ -63,7 +63,7 @@ pub(super) fn sampled_fit(
     progress: &ProgressCallback<'_>,
 ) -> Result<SampledFit, IdentificationError> {
     let own = own_fit(problem, forward, unfinished, progress)?;
-    let own = continued(problem, forward, own, progress)?;
+    let own = continued(problem, (forward, about), own, progress)?;
     let mut found = sampled_from(problem, (forward, about), own, unfinished, progress)?;
     for _ in 0..MOST_REPEATED {
         let Some(better) = found.better.take() else { break };
@@ -180,38 +180,56 @@ fn own_fit(
     Ok(given)
 }
 
-/// A fit that ended far from its data goes on from a fit with larger standard deviations: where residuals are hundreds of
-/// deviations long, the valley of their squares is so narrow and bent that a search ends in it for want of progress,
-/// and beside a prior that is of the same size it does not.
+/// A fit that does not agree with its data goes on from a fit with larger standard deviations: where residuals are long,
+/// the valley of their squares is so narrow and bent that a search ends in it for want of progress, and beside a prior
+/// that is of the same size it does not.
 fn continued(
     problem: &IdentificationProblem,
-    forward: &mut ScenarioModel,
+    (forward, about): (&mut ScenarioModel, &[ObservationLabel]),
     mut own: FitSolution,
     progress: &ProgressCallback<'_>,
 ) -> Result<FitSolution, IdentificationError> {
     for _ in 0..MOST_CONTINUED {
-        if !far_from_data(&own) || problem.work.is_stopped() {
+        let goodness = Fit::resumed(&*forward, own.clone(), progress)?.goodness();
+        if goodness.agreement() != Agreement::None || problem.work.is_stopped() {
             break;
         }
-        let factor = Fit::resumed(&*forward, own.clone(), progress)?.goodness().noise_factor;
-        let scaled = {
-            let model = ScaledNoise::new(&*forward, factor);
-            refit_with_progress(&model, &own, progress).map(Fit::into_solution)
-        };
-        // The fit as it is stands where the other one was stopped or has no predictions.
-        let Ok(scaled) = scaled else { break };
-        if scaled.chi_square * factor * factor > SHORT * own.chi_square {
-            break;
+        // The size of the residuals, and then their correlation too, as the posterior has them.
+        let correlated =
+            noise_factor(NoiseSpec::AtLeastGiven, &goodness, (&*forward, about), &own.residuals);
+        let mut further = None;
+        for factor in [goodness.noise_factor, correlated] {
+            further = from_larger_deviations(problem, forward, (&own, factor), progress)?;
+            if further.is_some() {
+                break;
+            }
         }
-        let start = own.clone().with_start(scaled.point);
-        let Ok(again) = refit_with_progress(&*forward, &start, progress) else { break };
-        let again = at_held_steps(problem, forward, again.into_solution(), progress)?;
-        if again.chi_square > SHORT * own.chi_square {
-            break;
-        }
-        own = again;
+        let Some(further) = further else { break };
+        own = further;
     }
     Ok(own)
+}
+
+/// The fit from the end of one with standard deviations that are larger by a factor; none that is hardly better.
+fn from_larger_deviations(
+    problem: &IdentificationProblem,
+    forward: &mut ScenarioModel,
+    (own, factor): (&FitSolution, f64),
+    progress: &ProgressCallback<'_>,
+) -> Result<Option<FitSolution>, IdentificationError> {
+    let scaled = {
+        let model = ScaledNoise::new(&*forward, factor);
+        refit_with_progress(&model, own, progress).map(Fit::into_solution)
+    };
+    // The fit as it is stands where the other one was stopped or has no predictions.
+    let Ok(scaled) = scaled else { return Ok(None) };
+    if scaled.chi_square * factor * factor > SHORT * own.chi_square {
+        return Ok(None);
+    }
+    let start = own.clone().with_start(scaled.point);
+    let Ok(again) = refit_with_progress(&*forward, &start, progress) else { return Ok(None) };
+    let again = at_held_steps(problem, forward, again.into_solution(), progress)?;
+    Ok((again.chi_square <= SHORT * own.chi_square).then_some(again))
 }
 
 /// True for a fit whose cost is so large that a small part of it is no small part of the spread of chi-square.
@@ -295,12 +313,12 @@ mod tests {
         );
         let problem = IdentificationProblem::read(file).unwrap().fast();
         let problem = problem.with_pressures().unwrap();
-        let BuiltModel { mut forward, .. } = problem.model().unwrap();
+        let BuiltModel { mut forward, about, .. } = problem.model().unwrap();
         let law = problem.law().unwrap();
         let unfinished = Unfinished::begin(&problem, &forward, &law, Instant::now());
         let own = own_fit(&problem, &mut forward, &unfinished, &|_| ()).unwrap();
         assert!(own.chi_square > 1e4, "the search ended at {}", own.chi_square);
-        let found = continued(&problem, &mut forward, own, &|_| ()).unwrap();
+        let found = continued(&problem, (&mut forward, &about), own, &|_| ()).unwrap();
         assert!((20.0..110.0).contains(&found.chi_square), "{}", found.chi_square);
     }
 }
