@@ -23,6 +23,7 @@
 //! | `hit`, `observed_quantity`, `scenario_model` | simulated hits and their results at a point |
 //! | `structure_hits` | hits on structures of matrices |
 //! | `forward_model`, `derivatives` | predictions in batches, and their exact derivatives |
+//! | `force_noise`, `shared_errors` | errors that the lines of a measured receptance share, made independent |
 //! | `built_model`, `build` | models with their observations: of the problem, of compared laws, of planned hits |
 //! | `identification`, `hit_numerics` | fit, uncertainty, comparison; estimated errors of the simulated hits |
 //! | `law_band`, `law_comparison`, `design` | the law with its credible band; other laws; ranking of further measurements |
