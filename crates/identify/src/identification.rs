@@ -149,6 +149,10 @@ pub fn identify_with_progress(
     let planned = DesignModel::asked(problem, &forward)?;
 
     let work = Arc::clone(&problem.work);
+    let progress: &ProgressCallback<'_> = &|now| {
+        work.follow(&now, spec.draws);
+        progress(now);
+    };
     let unfinished = Unfinished::begin(problem, &forward, &law_name, started);
     let found = sampled_fit(problem, (&mut forward, &about), &unfinished, progress)?;
     let SampledFit { own, best, factor, goodness, hits, feature_errors, .. } = found;

@@ -4,6 +4,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use asperity_inference::{Progress, Stage};
+
 /// The parts of an identification, in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -59,6 +61,8 @@ struct State {
     stage: usize,
     /// Evaluations that each part is expected to need, or has needed.
     expected: [f64; STAGES],
+    /// Evaluations for the last surface of the posterior.
+    surface: f64,
 }
 
 impl Work {
@@ -98,13 +102,35 @@ impl Work {
     pub(crate) fn plan(&self, expected: [f64; STAGES]) {
         self.points.store(0, Ordering::Relaxed);
         *self.state.lock().unwrap_or_else(PoisonError::into_inner) =
-            State { started: Some([Instant::now(); 2]), stage: 0, expected };
+            State { started: Some([Instant::now(); 2]), expected, ..State::default() };
     }
 
     /// Expects more evaluations of a part.
     pub(crate) fn expect(&self, stage: WorkStage, more: f64) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         state.expected[stage as usize] += more;
+    }
+
+    /// Expects of the posterior what its progress tells: once a surface has been trained so many `draws`, and after them
+    /// another surface with its draws, unless the part ends.
+    pub(crate) fn follow(&self, now: &Progress, draws: usize) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let draws = draws as f64;
+        if state.stage != WorkStage::Posterior as usize {
+            return;
+        }
+        let rest = match now.stage {
+            Stage::Surrogate => {
+                state.surface = now.of as f64;
+                draws
+            }
+            // More draws on the last surface are counted, rounds of surfaces are few.
+            Stage::Draws if now.of as f64 > draws => draws,
+            Stage::Draws => state.surface + draws,
+            _ => return,
+        };
+        state.expected[WorkStage::Posterior as usize] =
+            self.points.load(Ordering::Relaxed) as f64 + rest;
     }
 
     /// Expects all of the parts before the one under way again, and this one, as a part of this one.
@@ -179,7 +205,8 @@ pub(crate) fn expected_evaluations(
     let posterior = if free {
         7.5 * surface + 3.0 * draws as f64
     } else {
-        1.7 * (5.0 * surface + draws as f64)
+        // One surface suffices where the model is right and nearly linear.
+        1.3 * (5.0 * surface + draws as f64)
     };
     [fit, profiles, posterior, compared as f64 * (1.5 * compared_fit + 40.0)]
 }
@@ -231,7 +258,17 @@ mod tests {
         work.begin(WorkStage::Profiles);
         work.begin(WorkStage::Posterior);
         assert_eq!(work.progress().unwrap().share, 400.0 / 600.0);
-        work.add(200);
+        // A surface of 60 points and its draws, and another one.
+        let progress = |stage, done, of| Progress { stage, done, of, cost: f64::INFINITY };
+        work.add(60);
+        work.follow(&progress(Stage::Surrogate, 60, 60), 100);
+        assert_eq!(work.progress().unwrap().share, 460.0 / 560.0);
+        work.add(100);
+        work.follow(&progress(Stage::Draws, 1, 3), 100);
+        assert_eq!(work.progress().unwrap().share, 560.0 / 720.0);
+        work.follow(&progress(Stage::Draws, 200, 500), 100);
+        assert_eq!(work.progress().unwrap().share, 560.0 / 660.0);
+        work.add(40);
         work.begin(WorkStage::Comparison);
         assert_eq!(work.progress().unwrap().share, 1.0);
         assert!(!work.is_stopped());
