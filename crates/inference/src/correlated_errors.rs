@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn residuals_become_independent() {
         let entry = |i: usize, j: usize| ((7 * i + 3 * j) as f64).sin();
-        let variances: Vec<f64> = (0..8).map(|i| 0.01 + 0.1 * i as f64).collect();
+        let variances: Vec<f64> = (0..8).map(|i| 0.01 + 0.1 * f64::from(i)).collect();
         let parts: Vec<Vec<f64>> = (0..8).map(|i| (0..3).map(|j| entry(i, j)).collect()).collect();
         let errors = CorrelatedErrors::new(&variances, &parts).unwrap();
         let s = errors.standard_deviations();
@@ -98,7 +98,9 @@ mod tests {
         };
         let mut columns: Vec<Vec<f64>> =
             (0..8).map(|j| (0..8).map(|i| covariance(i, j) / (s[i] * s[j])).collect()).collect();
-        columns.iter_mut().for_each(|column| errors.make_independent(column));
+        for column in &mut columns {
+            errors.make_independent(column);
+        }
         for i in 0..8 {
             let mut row: Vec<f64> = columns.iter().map(|column| column[i]).collect();
             errors.make_independent(&mut row);
