@@ -56,7 +56,7 @@ impl Batch {
     /// [`transient`](Self::transient), which goes on at equal steps once contacts hold.
     ///
     /// # Errors
-    /// Those of [`transient`](Self::transient), and [`DynamicsError::InvalidStep`] for a case without a tolerance.
+    /// Those of [`transient`](Self::transient), and [`DynamicsError::Setting`] for a case without a tolerance.
     pub fn transient_at_own_steps(
         &self,
         case: &TransientCase,
