@@ -408,7 +408,10 @@ impl Unexplained<'_> {
     fn of_factor(&self, progress: &ProgressCallback<'_>) -> Option<Explanation> {
         let forward = self.forward;
         let start = forward.start();
-        let predicted = predicted(forward, &start)?;
+        // The receptances themselves, not those with independent errors.
+        let mut plain = forward.with_scaled("", 1.0);
+        plain.hits.iter_mut().for_each(|hit| hit.shared_errors.clear());
+        let predicted = predicted(&plain, &start)?;
         let is_receptance = |quantity: &ObservedQuantity| quantity.is_receptance(&forward.columns);
         let of: Vec<usize> =
             (0..predicted.len()).filter(|&i| is_receptance(&forward.quantities[i])).collect();

@@ -18,6 +18,9 @@ use asperity_signal::{Complex64, white_density};
 
 use crate::data_files::ReceptanceLine;
 
+/// Least variance of its own of an error, over the variance that it shares: far above rounding.
+const OWN: f64 = 1e-10;
+
 /// Noise of a force whose samples outside of the pulse are zero.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ForceNoise {
@@ -55,7 +58,11 @@ impl ForceNoise {
             self.samples.clone().map(of_sample).map(|error| (error.re, error.im)).unzip().into()
         };
         let parts: Vec<Vec<f64>> = lines.iter().flat_map(part).collect();
-        let variances: Vec<f64> = own.iter().map(|deviation| deviation * deviation).collect();
+        // Without other errors than the shared ones, some lines would determine the others.
+        let variance = |(deviation, shared): (&f64, &Vec<f64>)| {
+            deviation * deviation + OWN * shared.iter().map(|part| part * part).sum::<f64>()
+        };
+        let variances: Vec<f64> = own.iter().zip(&parts).map(variance).collect();
         CorrelatedErrors::new(&variances, &parts).map(Some)
     }
 }
@@ -70,9 +77,8 @@ mod tests {
     use serde_json::{Value, json};
 
     use crate::IdentificationProblem;
-    use crate::scenario_model::ScenarioModel;
 
-    /// Normal numbers of variance 1, to the fourth moment of a sum of twelve uniform ones.
+    /// Numbers of variance 1, nearly normal: sums of twelve uniform ones.
     struct Noise(u64);
 
     impl Noise {
@@ -87,7 +93,7 @@ mod tests {
 
     const RATE: f64 = 5e4;
 
-    /// The block on its contact, hit with `peak` newtons, and unknown stiffness and damping, with these data.
+    /// A block on a contact of unknown stiffness and damping, with these data.
     fn problem(data: &Value) -> IdentificationProblem {
         let scenario = json!({
             "schema": "asperity/scenario/1",
@@ -110,20 +116,46 @@ mod tests {
             .unwrap()
     }
 
-    /// The model of a hit whose channels have white noise of these standard deviations \[N\], \[m/s2\].
-    fn model(clean: &[Vec<f64>; 2], deviations: [f64; 2], noise: &mut Noise) -> ScenarioModel {
-        let noisy = |column: &Vec<f64>, deviation: f64, noise: &mut Noise| -> Vec<f64> {
-            column.iter().map(|x| x + deviation * noise.next()).collect()
+    /// Force and acceleration without noise, from three milliseconds before the hit.
+    fn clean() -> [Vec<f64>; 2] {
+        let placeholder = json!([{"kind": "hits", "hits": [{"features":
+            {"fundamental.frequency_hz": {"value": 870.0, "standard_deviation": 1.0}}}]}]);
+        let scenario = problem(&placeholder).model().unwrap().forward.scenario.to_string();
+        let document = Document::parse(&scenario, "rig.json").unwrap();
+        let history = simulate(&document, &document.scenario().unwrap()).unwrap().transient.history;
+        [&history.load, &history.sensors[0].acceleration]
+            .map(|column| [&[0.0; 150][..], column].concat())
+    }
+
+    /// The problem of a hit whose channels have white noise of these parts of their largest samples.
+    fn recorded(
+        clean: &[Vec<f64>; 2],
+        parts: [f64; 2],
+        noise: &mut Noise,
+    ) -> IdentificationProblem {
+        let mut noisy = |place: usize| -> Vec<f64> {
+            let largest = clean[place].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            clean[place].iter().map(|x| x + parts[place] * largest * noise.next()).collect()
         };
-        let force = noisy(&clean[0], deviations[0], noise);
-        let response = noisy(&clean[1], deviations[1], noise);
+        let (force, response) = (noisy(0), noisy(1));
         let channels = json!([
             {"name": "force", "unit": "N", "data": force},
             {"name": "top", "unit": "m/s^2", "data": response},
         ]);
         let data = json!([{"kind": "records", "response": "top", "band_hz": [700, 1000],
             "files": [{"sample_rate_hz": RATE, "channels": channels}]}]);
-        problem(&data).model().unwrap().forward
+        problem(&data)
+    }
+
+    /// A response of the other polarity, without noise, beside a force with noise: the first explanation of the misfit.
+    #[test]
+    fn the_other_polarity_is_told_beside_noise_of_the_force() {
+        let mut clean = clean();
+        clean[1].iter_mut().for_each(|x| *x = -*x);
+        let found = crate::identify(&recorded(&clean, [2e-2, 0.0], &mut Noise(2))).unwrap();
+        assert_eq!(found.judgement().usability, crate::Usability::No);
+        let first = &found.explanations[0];
+        assert!(first.cause.contains("other polarity"), "{:?}", found.explanations);
     }
 
     /// Stiffnesses from single hits whose force has noise: their distances from the truth are as large as their standard
@@ -131,23 +163,12 @@ mod tests {
     #[test]
     fn noise_of_the_force_is_in_the_standard_deviations() {
         const HITS: usize = 60;
-        let placeholder = json!([{"kind": "hits", "hits": [{"features":
-            {"fundamental.frequency_hz": {"value": 870.0, "standard_deviation": 1.0}}}]}]);
-        let problem = problem(&placeholder);
-        let document =
-            Document::parse(&problem.model().unwrap().forward.scenario.to_string(), "rig.json")
-                .unwrap();
-        let history = simulate(&document, &document.scenario().unwrap()).unwrap().transient.history;
-        // Three milliseconds before the hit.
-        let clean = [&history.load, &history.sensors[0].acceleration]
-            .map(|column| [&[0.0; 150][..], column].concat());
-        let size = |column: &Vec<f64>| column.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let deviations = [2e-2 * size(&clean[0]), 1e-4 * size(&clean[1])];
+        let clean = clean();
         let mut noise = Noise(1);
         // Mean square of the distance in standard deviations, and of the residuals, with shared errors and without.
         let (mut distances, mut residuals) = ([0.0; 2], [0.0; 2]);
         for _ in 0..HITS {
-            let shared = model(&clean, deviations, &mut noise);
+            let shared = recorded(&clean, [2e-2, 1e-4], &mut noise).model().unwrap().forward;
             assert_eq!(shared.hits[0].shared_errors.len(), 1);
             let mut alone = shared.with_scaled("", 1.0);
             alone.hits[0].shared_errors.clear();

@@ -198,7 +198,8 @@ fn continued(
         let correlated =
             noise_factor(NoiseSpec::AtLeastGiven, &goodness, (&*forward, about), &own.residuals);
         let mut further = None;
-        for factor in [goodness.noise_factor, correlated] {
+        let factors = [goodness.noise_factor, correlated];
+        for factor in factors.into_iter().take(if correlated > factors[0] { 2 } else { 1 }) {
             further = from_larger_deviations(problem, forward, (&own, factor), progress)?;
             if further.is_some() {
                 break;

@@ -217,7 +217,7 @@ impl CompiledLaw {
                 // The last attempt is sampled completely, for the error message.
                 let stop = if last { f64::INFINITY } else { limit };
                 let smooth = table.smooth_errors(&source, &grid);
-                let bound = table.estimate_error(&source, &grid, &smooth, stop);
+                let bound = table.estimate_error((&source, &range), &grid, &smooth, stop);
                 (table, smooth, bound)
             };
             // The others can wait while cells next to a singular loss of contact ask for more.
@@ -456,7 +456,8 @@ mod tests {
                     let source = Source::new(law, (state, top), limit);
                     let coarse = CompiledLaw::on_grid(&source, &range, &grid, &places);
                     let smooth = coarse.smooth_errors(&source, &grid);
-                    let bound = coarse.estimate_error(&source, &grid, &smooth, f64::INFINITY);
+                    let bound =
+                        coarse.estimate_error((&source, &range), &grid, &smooth, f64::INFINITY);
                     assert!(bound > limit, "{law:?} {exponent} {tolerance}: {bound} <= {limit}");
                 }
             }

@@ -153,17 +153,15 @@ impl Loader<'_> {
         deviations: &[f64],
     ) -> Result<(), IdentificationError> {
         let block = self.next_block();
-        let mut deviations = deviations.iter();
-        for line in lines {
+        for (line, own) in lines.iter().zip(deviations.chunks_exact(2)) {
             let frequencies = &mut self.built.forward.hits[simulated].frequencies;
             let at = frequencies.len();
             frequencies.push(line.frequency_hz);
-            for (part, word) in [(ComplexPart::Real, "real"), (ComplexPart::Imaginary, "imaginary")]
-            {
+            let parts = [(ComplexPart::Real, "real"), (ComplexPart::Imaginary, "imaginary")];
+            for ((part, word), &deviation) in parts.into_iter().zip(own) {
                 let quantity = ObservedQuantity::Receptance { hit: simulated, place: at, part };
                 let feature = format!("receptance, {word} part");
                 let about = ObservationLabel::new(data, feature, Some(line.frequency_hz));
-                let deviation = deviations.next().copied().unwrap_or(f64::NAN);
                 self.push(place, block, quantity, about, (part.of(line.value), deviation))?;
             }
         }

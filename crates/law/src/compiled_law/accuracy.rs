@@ -1,7 +1,7 @@
 //! The error of a table, estimated from its law.
 
 use super::CompiledLaw;
-use super::grid::{ClosureGrid, DIVISION};
+use super::grid::{ClosureGrid, DIVISION, TableRange};
 use super::source::Source;
 use crate::contact_law::{ContactLaw, Pressure};
 
@@ -79,7 +79,7 @@ impl CompiledLaw {
     /// exceeds `stop`.
     pub(super) fn estimate_error(
         &self,
-        source: &Source<'_>,
+        (source, range): (&Source<'_>, &TableRange),
         grid: &ClosureGrid,
         smooth: &[f64],
         stop: f64,
@@ -98,7 +98,7 @@ impl CompiledLaw {
                 kink += 1;
             }
             let is_kinked = kinks.get(kink).is_some_and(|kink| *kink <= to);
-            let is_smooth = source.is_interpolated() && !source.is_singular;
+            let is_smooth = source.is_interpolated() && !range.singular;
             let is_edge = i <= if is_smooth { 1 } else { EDGE };
             let is_sampled = i % WATCHED == 0 || is_edge || is_kinked || !smooth[i].is_finite();
             let off = if is_sampled { self.sampled(source, grid, i) } else { smooth[i] };

@@ -12,8 +12,6 @@ pub(super) struct Source<'a> {
     pub(super) state: f64,
     /// Closure of the state \[m\], if pressures interpolated by the law are exact enough.
     closure: Option<f64>,
-    /// Contact is lost where the stiffness leaves zero with a vertical tangent.
-    pub(super) is_singular: bool,
 }
 
 impl<'a> Source<'a> {
@@ -22,8 +20,7 @@ impl<'a> Source<'a> {
         let is_coarse = limit >= FINER * INTERPOLATION_ERROR * top.abs();
         let is_interpolated = is_coarse && law.interpolate(&[], &mut Vec::new());
         let closure = is_interpolated.then(|| law.closure(state));
-        let is_singular = law.domain().separates() && law.stiffness_slope(0.0) == f64::INFINITY;
-        Self { law, state, closure, is_singular }
+        Self { law, state, closure }
     }
 
     /// True if the law gives pressures that are interpolated.
