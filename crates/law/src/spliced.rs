@@ -170,6 +170,13 @@ impl Spliced {
         Some((&self.cells[next - 1], self.cells.get(next).unwrap_or(&self.end)))
     }
 
+    /// About the pressure at closure `d`, from zero up to the end.
+    fn guess(&self, d: f64) -> f64 {
+        let Some(cells) = &self.inverse else { return self.pressure(d).value };
+        let next = cells.partition_point(|cell| cell.closure <= d).max(1);
+        cells.get(next - 1).map_or_else(|| self.pressure(d).value, |cell| cell.pressure(d))
+    }
+
     /// Closure increment upwards: in the cell of `from`, across whole cells, in the last one.
     fn rise(&self, from: f64, dp: f64) -> f64 {
         let Some((cell, next)) = self.find(from) else {
@@ -324,7 +331,7 @@ impl ContactLaw for Spliced {
         if closure_increment < -start {
             return Pressure::lost_from(from);
         }
-        let guess = self.pressure(start + closure_increment).value - from;
+        let guess = self.guess(start + closure_increment) - from;
         refine_increment(self, from, closure_increment, guess)
     }
 

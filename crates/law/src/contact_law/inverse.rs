@@ -84,6 +84,9 @@ pub(crate) fn pressure_increment_by<L: ContactLaw + ?Sized>(
     refine_increment(law, from, closure_increment, reached - from)
 }
 
+/// Newton step over the increment and over the pressure after which the next would be rounding: it goes with the square.
+const LAST_STEP: f64 = 1e-9;
+
 /// Newton steps on a pressure increment, from a close `guess`.
 pub(crate) fn refine_increment<L: ContactLaw + ?Sized>(
     law: &L,
@@ -104,7 +107,8 @@ pub(crate) fn refine_increment<L: ContactLaw + ?Sized>(
             break;
         }
         increment = next;
-        if step.abs() <= 2.0 * f64::EPSILON * increment.abs() {
+        let small = LAST_STEP * (from + increment).abs().min(increment.abs());
+        if step.abs() <= small.max(2.0 * f64::EPSILON * increment.abs()) {
             break;
         }
     }

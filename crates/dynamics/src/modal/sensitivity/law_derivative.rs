@@ -4,8 +4,12 @@ use std::sync::Arc;
 
 use asperity_law::{ContactDamping, ContactLaw};
 
+use super::derivative_table::{DerivativeTable, Sloped};
 use crate::difference::central_difference;
 use asperity_structure::PreloadedContact;
+
+/// Pressure over the static pressure below which derivatives are not tabulated.
+const NEAR_LOSS: f64 = 1e-3;
 
 /// The derivative of one interface's law and static pressure with respect to one parameter.
 ///
@@ -23,6 +27,8 @@ pub(super) struct LawDerivative {
     base: Arc<dyn ContactLaw>,
     /// The law at the places of the stencil, if it is varied.
     varied: Option<[Arc<dyn ContactLaw>; 4]>,
+    /// The derivatives of closure from rest and stiffness over the pressure \[Pa\].
+    table: Option<DerivativeTable>,
     /// None without damping.
     damping: Option<VariedDamping>,
     step: f64,
@@ -71,12 +77,50 @@ impl LawDerivative {
         yielding.is_finite().then(|| Self {
             base: Arc::clone(base.law()),
             varied,
+            table: None,
             damping,
             step,
             pressure: base.pressure(),
             pressure_derivative,
             yielding,
         })
+    }
+
+    /// Tabulates the derivatives over the pressures \[Pa\] of a run, where their slopes are smooth enough: the law at the
+    /// four places is then not evaluated at each step.
+    pub(super) fn tabulate(&mut self, [low, high]: [f64; 2]) {
+        let Some(laws) = &self.varied else { return };
+        // Next to a loss of contact slopes may have no bound.
+        let least = NEAR_LOSS * self.pressure;
+        let low = if self.base.domain().separates() { low.max(least) } else { low };
+        let difference = |of: &dyn Fn(&dyn ContactLaw) -> f64| {
+            central_difference(laws.each_ref().map(|law| of(&**law)), self.step)
+        };
+        let of = |pressure: f64| {
+            let increment = pressure - self.pressure;
+            let closure = Sloped {
+                value: difference(&|law| law.closure_increment(self.pressure, increment)),
+                slope: difference(&|law| law.stiffness(pressure).recip()),
+            };
+            let stiffness = Sloped {
+                value: difference(&|law| law.stiffness(pressure)),
+                slope: difference(&|law| law.stiffness_slope(pressure)),
+            };
+            [closure, stiffness]
+        };
+        self.table = DerivativeTable::new(&of, [low, high]);
+    }
+
+    /// Derivatives of the closure from rest, and of the stiffness, where `increment` \[Pa\] is the pressure increment.
+    fn of_varied(&mut self, increment: f64) -> Option<[f64; 2]> {
+        let laws = self.varied.as_ref()?;
+        let pressure = self.pressure + increment;
+        let tabulated = self.table.as_mut().and_then(|table| table.at(pressure));
+        Some(tabulated.unwrap_or_else(|| {
+            let closures =
+                laws.each_ref().map(|law| law.closure_increment(self.pressure, increment));
+            [central_difference(closures, self.step), self.stiffness(pressure)]
+        }))
     }
 
     /// True if the contact is damped.
@@ -86,18 +130,16 @@ impl LawDerivative {
 
     /// The derivatives where `increment` \[Pa\] is the pressure increment, `tangent` \[Pa/m\] its tangent; faces
     /// that are `open` keep a pressure of zero.
-    pub(super) fn at(&self, increment: f64, tangent: f64, open: bool) -> LawDerivatives {
+    pub(super) fn at(&mut self, increment: f64, tangent: f64, open: bool) -> LawDerivatives {
         let mut derivatives = LawDerivatives::default();
         if open {
             derivatives.pressure = -self.pressure_derivative;
             derivatives.impulse = self.impulse(increment, tangent, derivatives.pressure);
             return derivatives;
         }
-        if let Some(laws) = &self.varied {
-            let closures =
-                laws.each_ref().map(|law| law.closure_increment(self.pressure, increment));
-            derivatives.pressure -= tangent * central_difference(closures, self.step);
-            derivatives.stiffness += self.stiffness(self.pressure + increment);
+        if let Some([closure, stiffness]) = self.of_varied(increment) {
+            derivatives.pressure -= tangent * closure;
+            derivatives.stiffness += stiffness;
         }
         if self.pressure_derivative != 0.0 {
             derivatives.pressure += self.pressure_derivative * (tangent * self.yielding - 1.0);
