@@ -4,6 +4,7 @@
 //! folding, and localization: an improved R-hat*, Bayesian Analysis 16, 667 (2021).
 
 use crate::random::normal_quantile;
+use crate::vectors::vectorised;
 
 /// Rank-normalised split R-hat of chains of one quantity,
 ///
@@ -21,8 +22,12 @@ use crate::random::normal_quantile;
 /// assert!(asperity_inference::r_hat(&chains) < 1.2);
 /// ```
 pub fn r_hat(chains: &[Vec<f64>]) -> f64 {
-    let halves = rank_normalised(&split(chains));
-    let Some(moments) = Moments::of(&halves) else { return f64::NAN };
+    r_hat_of_scores(&rank_normalised(&split(chains)))
+}
+
+/// As [`r_hat`], of half-chains of normal scores.
+pub(crate) fn r_hat_of_scores(halves: &[Vec<f64>]) -> f64 {
+    let Some(moments) = Moments::of(halves) else { return f64::NAN };
     (moments.total / moments.within).sqrt()
 }
 
@@ -37,16 +42,24 @@ pub fn r_hat(chains: &[Vec<f64>]) -> f64 {
 /// and Geyer's initial monotone sequence. Walkers of one ensemble count as separate chains. NaN
 /// where [`r_hat`] is NaN.
 pub fn effective_sample_size(chains: &[Vec<f64>]) -> f64 {
-    let halves = rank_normalised(&split(chains));
-    let Some(moments) = Moments::of(&halves) else { return f64::NAN };
+    effective_sample_size_of_scores(&rank_normalised(&split(chains)))
+}
+
+/// As [`effective_sample_size`], of half-chains of normal scores.
+pub(crate) fn effective_sample_size_of_scores(halves: &[Vec<f64>]) -> f64 {
+    let Some(moments) = Moments::of(halves) else { return f64::NAN };
     let (count, length) = (halves.len() as f64, halves[0].len());
     let centred = |(chain, mean): (&Vec<f64>, &f64)| chain.iter().map(|v| v - mean).collect();
     let centred: Vec<Vec<f64>> = halves.iter().zip(&moments.means).map(centred).collect();
     let correlation = |lag: usize| {
-        let covariance: f64 = centred
-            .iter()
-            .map(|chain| sum_of_products(&chain[lag..], chain) / (length - 1) as f64)
-            .sum();
+        let of = |chain: &Vec<f64>| sum_of_products(&chain[lag..], chain) / (length - 1) as f64;
+        let covariance = vectorised(|| {
+            let mut sum = 0.0;
+            for chain in &centred {
+                sum += of(chain);
+            }
+            sum
+        });
         1.0 - (moments.within - covariance / count) / moments.total
     };
     let (mut sum, mut last, mut lag) = (0.0, f64::INFINITY, 0);
@@ -67,6 +80,8 @@ pub fn effective_sample_size(chains: &[Vec<f64>]) -> f64 {
 }
 
 /// Sum of the products of values at equal places, by sums side by side, which do not wait for each other.
+#[allow(clippy::inline_always, reason = "it must be compiled for the vectors of its caller")]
+#[inline(always)]
 fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
     const SIDE_BY_SIDE: usize = 8;
     let (a_parts, b_parts) = (a.chunks_exact(SIDE_BY_SIDE), b.chunks_exact(SIDE_BY_SIDE));
@@ -103,14 +118,14 @@ impl Moments {
 }
 
 /// Halves of the chains, all of the length of the shortest.
-fn split(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
+pub(crate) fn split(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let half = chains.iter().map(Vec::len).min().unwrap_or(0) / 2;
     let halves = |chain: &Vec<f64>| [chain[..half].to_vec(), chain[chain.len() - half..].to_vec()];
     chains.iter().flat_map(halves).collect()
 }
 
 /// Normal scores of the ranks over all chains, ties sharing their mean rank.
-fn rank_normalised(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
+pub(crate) fn rank_normalised(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
     // Values beside their places, so that comparisons need nothing else.
     let mut order: Vec<(f64, usize, usize)> = Vec::with_capacity(chains.iter().map(Vec::len).sum());
     for (m, chain) in chains.iter().enumerate() {

@@ -8,6 +8,7 @@ use crate::linear_algebra::{dot, right_singular_vectors, upper_root, upper_solve
 use crate::model::{ForwardModel, Observation, PredictionError, Predictions};
 use crate::parameter::Parameter;
 use crate::random::{generator, normal, uniform};
+use crate::vectors::vectorised;
 
 /// Precision of the data over the prior's above which a combination is sampled with the data. All
 /// combinations below it are drawn from the prior; the importance weights contain their effect.
@@ -127,17 +128,19 @@ impl LatentSubspace {
         let mut sums = vec![0.0; count];
         let mut values = vec![0.0; count];
         let mut entries = self.whitenings.chunks_exact(count.max(1));
-        for i in 0..informed.len() {
-            values.fill(0.0);
-            for (coordinate, row) in informed[i..].iter().zip(&mut entries) {
-                for (value, entry) in values.iter_mut().zip(row) {
-                    *value += entry * coordinate;
+        vectorised(|| {
+            for i in 0..informed.len() {
+                values.fill(0.0);
+                for (coordinate, row) in informed[i..].iter().zip(&mut entries) {
+                    for (value, entry) in values.iter_mut().zip(row) {
+                        *value += entry * coordinate;
+                    }
+                }
+                for (sum, value) in sums.iter_mut().zip(&values) {
+                    *sum += value * value;
                 }
             }
-            for (sum, value) in sums.iter_mut().zip(&values) {
-                *sum += value * value;
-            }
-        }
+        });
         for (sum, log_weight) in sums.iter_mut().zip(&self.log_weights) {
             *sum = log_weight - 0.5 * *sum;
         }

@@ -83,6 +83,7 @@ mod search;
 mod stencil;
 mod strain;
 mod surrogate;
+mod vectors;
 
 pub use comparison::{
     ComparedModel, ComparisonOptions, CrossValidation, GOOD_P_VALUE, MISFIT_P_VALUE,
@@ -113,7 +114,7 @@ pub use model::{
 };
 pub use parameter::{Parameter, ParameterScale, Prior};
 pub use posterior::{
-    CredibleBand, Posterior, PosteriorDiagnostics, PosteriorMethod, PosteriorOptions,
+    CredibleBand, Posterior, PosteriorDiagnostics, PosteriorMethod, PosteriorOptions, SurfaceCost,
 };
 pub use profile::{Profile, ProfileEnd, ProfileOptions, ProfilePoint};
 pub use progress::{Progress, ProgressCallback, Stage};

@@ -1,6 +1,7 @@
 //! The posterior distribution of the parameters, as weighted draws.
 
 mod chains;
+mod cost;
 mod on_surface;
 mod options;
 mod summary;
@@ -16,7 +17,8 @@ use crate::sampler::sample_chains;
 use crate::surrogate::Whitening;
 
 pub use chains::PosteriorDiagnostics;
-use chains::{chain_diagnostics, layout, spread};
+use chains::{chain_diagnostics, spread};
+pub use cost::SurfaceCost;
 use on_surface::AsItIs;
 pub(crate) use on_surface::{SurfaceTarget, by_surrogate};
 pub use options::{PosteriorMethod, PosteriorOptions};
@@ -140,7 +142,7 @@ fn exactly(
             _ => f64::NEG_INFINITY,
         }
     };
-    let layout = layout(whitening.centre.len(), options, 0);
+    let layout = options.layout(whitening.centre.len(), 0);
     let chains = sample_chains(&density, &layout);
     report(progress, Stage::Sampling, 1, 1);
     let x: Vec<Vec<f64>> = spread(&chains, options.draws, 0, options.draws)

@@ -1,5 +1,7 @@
 //! A response surface: polynomials that replace the model near the optimum.
 
+use std::time::{Duration, Instant};
+
 use faer::Mat;
 
 use crate::covariance::Covariance;
@@ -11,6 +13,7 @@ use crate::polynomial::{Cubics, LeastSquares, Monomials};
 use crate::profile::Profile;
 use crate::progress::{ProgressCallback, Stage, report};
 use crate::random::{generator, latin_hypercube, normal, normal_quantile};
+use crate::vectors::vectorised;
 
 /// Largest number of parameters with all cubic terms, and with those of two parameters.
 const MAX_CUBIC: usize = 10;
@@ -161,17 +164,53 @@ impl Surrogate {
 
     /// Standardised residuals at whitened coordinates; `scratch` holds the monomials.
     pub(crate) fn residuals(&self, z: &[f64], scratch: &mut Vec<f64>, out: &mut Vec<f64>) {
-        self.monomials.values(z, scratch);
         out.clear();
         out.resize(self.leave_one_out_errors.len(), 0.0);
-        // Term by term: neighbouring observations fill the vector registers.
-        for (row, value) in self.coefficients.chunks_exact(out.len()).zip(&*scratch) {
+        polynomials((&self.monomials, &self.coefficients), z, scratch, out);
+    }
+}
+
+/// Polynomials of `z` with rows of `coefficients`, one row for each of the `monomials`, into `out`.
+fn polynomials(
+    (monomials, coefficients): (&Monomials, &[f64]),
+    z: &[f64],
+    scratch: &mut Vec<f64>,
+    out: &mut [f64],
+) {
+    monomials.values(z, scratch);
+    // Term by term: neighbouring observations fill the vector registers.
+    vectorised(|| {
+        for (row, value) in coefficients.chunks_exact(out.len()).zip(&*scratch) {
             for (sum, coefficient) in out.iter_mut().zip(row) {
                 *sum += coefficient * value;
             }
         }
-    }
+    });
 }
+
+/// Seconds of an evaluation of a response surface of so many parameters and observations, as this machine takes them.
+pub(crate) fn evaluation_seconds(parameters: usize, observations: usize) -> f64 {
+    let monomials = monomials(parameters);
+    let coefficients = vec![0.0; monomials.count() * observations.max(1)];
+    let (z, mut scratch) = (vec![0.5; parameters], Vec::new());
+    let mut out = vec![0.0; observations.max(1)];
+    let begun = Instant::now();
+    let mut evaluations = 0_u32;
+    while evaluations < 3 || begun.elapsed() < MEASURED {
+        polynomials((&monomials, &coefficients), &z, &mut scratch, &mut out);
+        std::hint::black_box(&out);
+        evaluations += 1;
+    }
+    begun.elapsed().as_secs_f64() / f64::from(evaluations)
+}
+
+/// Training points of a surface of so many parameters.
+pub(crate) fn training_points(parameters: usize, oversampling: f64) -> usize {
+    (oversampling * monomials(parameters).count() as f64).ceil() as usize
+}
+
+/// Time for which a response surface is evaluated, to learn what an evaluation takes.
+const MEASURED: Duration = Duration::from_millis(1);
 
 fn monomials(parameters: usize) -> Monomials {
     let cubics = if parameters <= MAX_CUBIC {
@@ -217,8 +256,7 @@ pub(crate) fn sample(
     let dimensions = problem.parameters.len();
     let quantity = "the number of training points per coefficient";
     check_range(quantity, oversampling, 1.2..=100.0, "1.2 to 100")?;
-    let terms = monomials(dimensions).count();
-    let count = (oversampling * terms as f64).ceil() as usize;
+    let count = training_points(dimensions, oversampling);
     let place = |unit: &Vec<f64>| {
         let z: Vec<f64> = unit
             .iter()

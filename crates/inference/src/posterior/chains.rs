@@ -2,12 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::options::PosteriorOptions;
-use crate::convergence::{effective_sample_size, r_hat};
-use crate::sampler::{ChainLayout, Chains};
+use crate::convergence::{
+    effective_sample_size, effective_sample_size_of_scores, r_hat_of_scores, rank_normalised, split,
+};
+use crate::sampler::Chains;
 
-/// Smallest number of walkers of an ensemble: fewer do not move independently.
-const MIN_WALKERS: usize = 16;
 /// Of how many draws one is evaluated first.
 pub(super) const PART: usize = 5;
 
@@ -48,18 +47,6 @@ pub struct PosteriorDiagnostics {
     pub truncated: Vec<usize>,
 }
 
-/// Layout of the chains of a round.
-pub(super) fn layout(dimensions: usize, options: &PosteriorOptions, round: usize) -> ChainLayout {
-    ChainLayout {
-        dimensions,
-        ensembles: options.ensembles,
-        walkers: 2 * (dimensions * options.walkers_per_parameter).div_ceil(2).max(MIN_WALKERS / 2),
-        burn_in: options.burn_in,
-        steps: options.steps,
-        seed: options.seed.wrapping_add(0x5eed * round as u64),
-    }
-}
-
 /// Of `draws` states evenly spread over steps, from one walker after the other, those from `first` to
 /// `end` in an order that spreads every beginning over all steps.
 pub(super) fn spread(chains: &Chains, draws: usize, first: usize, end: usize) -> Vec<Vec<f64>> {
@@ -86,8 +73,14 @@ pub(super) fn chain_diagnostics(
         let ensembles = ensemble_means(&chains_of_walkers, chains.ensembles);
         let worth =
             effective_sample_size(&ensembles) * variance(&chains_of_walkers) / variance(&ensembles);
-        let size = effective_sample_size(&chains_of_walkers).min(worth);
-        (size, r_hat(&whole_ensembles(&chains_of_walkers, chains.ensembles)))
+        // Both measures rank the same values: the first and the second halves of all walkers, one after the other.
+        let scores = rank_normalised(&split(&chains_of_walkers));
+        let size = effective_sample_size_of_scores(&scores).min(worth);
+        let halves = |offset: usize| -> Vec<Vec<f64>> {
+            scores.iter().skip(offset).step_by(2).cloned().collect()
+        };
+        let together = [0, 1].map(|offset| whole_ensembles(&halves(offset), chains.ensembles));
+        (size, r_hat_of_scores(&together.concat()))
     };
     let (sizes, r_hat): (Vec<f64>, Vec<f64>) =
         (0..dimensions).into_par_iter().map(of_parameter).unzip();

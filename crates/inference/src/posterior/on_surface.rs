@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use super::chains::{PART, PosteriorDiagnostics, chain_diagnostics, layout, spread};
+use super::chains::{PART, PosteriorDiagnostics, chain_diagnostics, spread};
 use super::options::PosteriorOptions;
 use super::summary::Posterior;
 use crate::error::InferenceError;
@@ -141,7 +141,7 @@ pub(crate) fn by_surrogate(
         };
         let chains = sample_chains(
             &|z| surface_density(problem, target, &surface, z),
-            &layout(whitening.centre.len(), options, round),
+            &options.layout(whitening.centre.len(), round),
         );
         report(progress, Stage::Sampling, round, options.max_rounds);
         let is_last = round == options.max_rounds;

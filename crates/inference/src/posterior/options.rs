@@ -1,6 +1,10 @@
 //! Options of a posterior.
 
 use crate::error::{InferenceError, check_range};
+use crate::sampler::ChainLayout;
+
+/// Smallest number of walkers of an ensemble: fewer do not move independently.
+const MIN_WALKERS: usize = 16;
 
 /// The density on which the Markov chains run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,6 +58,19 @@ impl Default for PosteriorOptions {
 }
 
 impl PosteriorOptions {
+    /// Layout of the chains of a round.
+    pub(super) fn layout(&self, dimensions: usize, round: usize) -> ChainLayout {
+        let walkers = 2 * (dimensions * self.walkers_per_parameter).div_ceil(2);
+        ChainLayout {
+            dimensions,
+            ensembles: self.ensembles,
+            walkers: walkers.max(MIN_WALKERS),
+            burn_in: self.burn_in,
+            steps: self.steps,
+            seed: self.seed.wrapping_add(0x5eed * round as u64),
+        }
+    }
+
     /// Checks the ranges of the options.
     pub(crate) fn check(&self) -> Result<(), InferenceError> {
         let many = 1_000_000;
