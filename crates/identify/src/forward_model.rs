@@ -1,5 +1,7 @@
 //! The scenario as a forward model: predictions in batches.
 
+use std::time::Instant;
+
 use asperity_inference::{
     Derivatives, ForwardModel, Observation, Parameter, PredictionError, Predictions,
 };
@@ -36,17 +38,19 @@ impl ForwardModel for ScenarioModel {
         // Enough points per call to fill a batch, few enough to use all cores.
         let points_per_batch =
             self.points_per_batch().min(points.len().div_ceil(rayon::current_num_threads()));
-        points
+        let begun = Instant::now();
+        let found: Vec<_> = points
             .par_chunks(points_per_batch.max(1))
             .flat_map_iter(|points| {
                 if self.work.is_stopped() {
                     return points.iter().map(|_| Err(stopped())).collect::<Vec<_>>();
                 }
                 let outcomes = self.outcomes(points);
-                self.work.add(points.len());
                 points.iter().zip(outcomes).map(predict).collect::<Vec<_>>()
             })
-            .collect()
+            .collect();
+        self.work.add(points.len(), begun.elapsed().as_secs_f64());
+        found
     }
 
     fn differentiate(&self, point: &[f64]) -> Option<Result<Derivatives, PredictionError>> {

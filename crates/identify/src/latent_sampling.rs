@@ -87,6 +87,15 @@ pub(super) fn profiles(
     best.profile(covariance, &all, &options)
 }
 
+/// Options of the posterior, with or without a law of free form.
+pub(super) fn posterior_options(problem: &IdentificationProblem, free: bool) -> PosteriorOptions {
+    let spec = &problem.spec;
+    let options =
+        PosteriorOptions { draws: spec.draws, seed: spec.seed, ..PosteriorOptions::default() };
+    let [burn_in, steps] = if free { STEPS } else { [options.burn_in, options.steps] };
+    PosteriorOptions { burn_in, steps, ..options }
+}
+
 /// Draws from the posterior, and the findings about a free law.
 pub(super) fn posterior_of(
     problem: &IdentificationProblem,
@@ -96,14 +105,12 @@ pub(super) fn posterior_of(
     noise_factor: f64,
 ) -> Result<(Posterior, Option<FreeLawFindings>), IdentificationError> {
     let spec = &problem.spec;
-    let options =
-        PosteriorOptions { draws: spec.draws, seed: spec.seed, ..PosteriorOptions::default() };
     let parameters = &forward.parameters;
     let (Some((first, law)), Some(prior)) = (&parameters.free, parameters.latent_prior()?) else {
+        let options = posterior_options(problem, false);
         return Ok((best.posterior(covariance, profiles, &options)?, None));
     };
-    let [burn_in, steps] = STEPS;
-    let options = PosteriorOptions { burn_in, steps, ..options };
+    let options = posterior_options(problem, true);
     // The model's standard deviations are scaled already.
     debug_assert!(noise_factor >= 1.0);
     let found = best.latent_posterior(linearisation, 1.0, &prior, &options)?;

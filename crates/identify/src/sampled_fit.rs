@@ -63,6 +63,7 @@ pub(super) fn sampled_fit(
     progress: &ProgressCallback<'_>,
 ) -> Result<SampledFit, IdentificationError> {
     let own = own_fit(problem, forward, unfinished, progress)?;
+    problem.work.found();
     let own = continued(problem, (forward, about), own, progress)?;
     let mut found = sampled_from(problem, (forward, about), own, unfinished, progress)?;
     for _ in 0..MOST_REPEATED {
@@ -260,7 +261,7 @@ fn goodness_of(problem: &IdentificationProblem, given: &Fit<'_>) -> GoodnessOfFi
     let goodness = given.goodness();
     if goodness.agreement() == Agreement::None && !problem.is_fast {
         let more = expected_of_explanations(given.point.len());
-        problem.work.expect(WorkStage::Comparison, more);
+        problem.work.expect_compared(more);
     }
     goodness
 }

@@ -8,8 +8,9 @@ use asperity_scenario::Laws;
 use crate::error::IdentificationError;
 use crate::identification_problem::IdentificationProblem;
 use crate::incomplete::IncompleteIdentification;
+use crate::latent_sampling::posterior_options;
 use crate::scenario_model::ScenarioModel;
-use crate::work::{WorkStage, expected_evaluations};
+use crate::work::{Forecast, Sizes, WorkStage};
 
 /// The part of an incomplete identification that is known from the beginning.
 pub(super) struct Unfinished {
@@ -28,14 +29,17 @@ impl Unfinished {
         law: &str,
         started: Instant,
     ) -> Self {
-        let spec = &problem.spec;
-        let (parameters, compared) = (forward.parameters(), spec.compare.len() + 1);
-        let latents = parameters.iter().filter(|parameter| parameter.is_latent()).count();
-        let counts = [parameters.len(), latents];
-        let mut expected = expected_evaluations(counts, spec.starts, spec.draws, compared);
+        let (spec, parameters) = (&problem.spec, forward.parameters());
+        let sizes = Sizes {
+            parameters: parameters.len(),
+            latents: parameters.iter().filter(|parameter| parameter.is_latent()).count(),
+            observations: forward.observations().len(),
+            starts: spec.starts,
+            compared: spec.compare.len() + 1,
+        };
+        let mut expected = Forecast::new(sizes, &posterior_options(problem, sizes.latents > 0));
         if problem.is_fast {
-            expected[WorkStage::Profiles as usize] = 0.0;
-            expected[WorkStage::Comparison as usize] = 0.0;
+            (expected.profiles, expected.comparison) = (0.0, 0.0);
         }
         problem.work.plan(expected);
         Self {

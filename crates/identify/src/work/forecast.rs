@@ -1,0 +1,309 @@
+//! What an identification is expected to take, and the time left of it.
+//!
+//! Evaluations of the model take the time that those so far took: in a search the mean, on the points of a response
+//! surface, which are evaluated many at a time, the least. Chains take what an evaluation of their surface takes on this
+//! machine, until they have run once. How many evaluations a search needs, and how many surfaces a posterior, is known only at their
+//! ends; the numbers here are about the medians of random rigs (`judgement_twins`), and a part that needs more than
+//! expected is taken to need half as much again as so far.
+
+use asperity_inference::{PosteriorOptions, Progress, Stage, SurfaceCost};
+
+/// Evaluations that a search needs, over those of the derivatives at one point, from one start; and of a law without
+/// an assumed form.
+const SEARCH: f64 = 19.0;
+const FREE_SEARCH: f64 = 55.0;
+
+/// Those of a search that goes on with other standard deviations, and of one that begins at a better draw, over those of
+/// the first search.
+const CONTINUED: f64 = 0.3;
+const REPEATED: f64 = 0.1;
+
+/// Surfaces of a posterior.
+const ROUNDS: f64 = 2.0;
+
+/// Chance of another surface after the second.
+const THIRD_ROUND: f64 = 0.5;
+
+/// Share of the draws that a round evaluates: a part of them where the surface is poor.
+const DRAWN: f64 = 0.6;
+
+/// Time of exact derivatives at a point over the parameters, over the least time of an evaluation; on one thread.
+const DERIVATIVES: f64 = 22.0;
+
+/// The same of derivatives by differences, in evaluations.
+const DIFFERENCES: f64 = 4.0;
+
+/// Evaluations of a profile.
+const PROFILE: f64 = 70.0;
+
+/// Evaluations of the fit of a compared law over those of the derivatives at a point, and beside them.
+const COMPARED: [f64; 2] = [18.0, 40.0];
+
+/// Combinations of latents that data usually inform.
+const INFORMED: usize = 16;
+
+/// Evaluations of a part, over those so far, that needs more than was expected.
+const OVERDUE: f64 = 1.5;
+
+/// Least share of the time expected of chains that is left while they run.
+const LEAST_LEFT: f64 = 0.1;
+
+/// Weight of the newest evaluations in the least time of one.
+const NEWEST: [f64; 2] = [0.1, 0.02];
+
+/// Points in one call from which on the time of each is that of many at a time.
+const MANY: usize = 8;
+
+/// What an identification is expected to take.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Forecast {
+    search: f64,
+    /// Derivatives after the search, in least times of an evaluation.
+    derivatives: f64,
+    pub(crate) profiles: f64,
+    surface: SurfaceCost,
+    draws: f64,
+    pub(crate) comparison: f64,
+}
+
+/// Sizes of a problem.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sizes {
+    pub(crate) parameters: usize,
+    /// Latents among them.
+    pub(crate) latents: usize,
+    pub(crate) observations: usize,
+    pub(crate) starts: usize,
+    /// Laws in the comparison.
+    pub(crate) compared: usize,
+}
+
+impl Forecast {
+    pub(crate) fn new(sizes: Sizes, options: &PosteriorOptions) -> Self {
+        let Sizes { parameters, latents, observations, starts, compared } = sizes;
+        // A free law has one start, no profiles, and surfaces over the combinations that the data inform.
+        let (others, free) = (parameters - latents, latents > 0);
+        let stencil = |count: usize| (2 * count + 1) as f64;
+        let threads = rayon::current_num_threads() as f64;
+        Self {
+            search: stencil(parameters) * if free { FREE_SEARCH } else { SEARCH * starts as f64 },
+            derivatives: if free {
+                DIFFERENCES * parameters as f64
+            } else {
+                DERIVATIVES * parameters as f64 * stencil(parameters) / threads
+            },
+            profiles: if free { 0.0 } else { PROFILE * others as f64 },
+            surface: options.surface_cost(others + latents.min(INFORMED), observations),
+            draws: options.draws as f64,
+            comparison: compared as f64 * (COMPARED[0] * stencil(others) + COMPARED[1]),
+        }
+    }
+}
+
+/// Evaluations that the explanations of a misfit need: short fits with a parameter more.
+pub(crate) fn expected_of_explanations(parameters: usize) -> f64 {
+    // Three of given numbers and usually three of losses, which end after five steps.
+    6.0 * 5.0 * (2 * (parameters + 1) + 2) as f64
+}
+
+/// What is under way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Moment {
+    #[default]
+    Search,
+    Continued,
+    Repeated,
+    /// Derivatives and profiles.
+    Profiles,
+    /// Points of a surface.
+    Surface,
+    Chains,
+    Draws,
+    /// The end of a round: another surface follows, or the end.
+    Drawn,
+    Comparison,
+}
+
+/// What was measured so far.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Measured {
+    points: f64,
+    seconds: f64,
+    /// Least time of an evaluation, slowly forgotten \[s\].
+    least: Option<f64>,
+    chains_s: Option<f64>,
+    training: Option<f64>,
+    pub(super) moment: Moment,
+    /// Evaluations in it.
+    here: f64,
+    /// Surfaces of the posterior.
+    round: usize,
+}
+
+impl Measured {
+    pub(super) fn begin(&mut self, moment: Moment) {
+        (self.moment, self.here) = (moment, 0.0);
+        if moment == Moment::Repeated {
+            self.round = 0;
+        }
+    }
+
+    /// Takes in an evaluation of points that took so many seconds.
+    pub(super) fn add(&mut self, points: usize, seconds: f64) {
+        let count = points as f64;
+        self.points += count;
+        self.here += count;
+        self.seconds += seconds;
+        if self.moment == Moment::Drawn {
+            (self.moment, self.here) = (Moment::Surface, count);
+        }
+        if points >= MANY {
+            let own = seconds / count;
+            self.least = Some(self.least.map_or(own, |least| {
+                let weight = if own < least { NEWEST[0] } else { NEWEST[1] };
+                least + weight * (own - least)
+            }));
+        }
+    }
+
+    /// Takes in the progress of a posterior, `since` seconds after its moment began.
+    pub(super) fn follow(&mut self, now: &Progress, draws: f64, since: f64) {
+        match now.stage {
+            Stage::Surrogate => {
+                self.training = Some(now.of as f64);
+                self.round += 1;
+                self.begin(Moment::Chains);
+            }
+            Stage::Sampling => {
+                self.chains_s = Some(since);
+                self.begin(Moment::Draws);
+            }
+            // More draws on the last surface are counted, rounds of surfaces are few.
+            Stage::Draws if now.of as f64 > draws => self.begin(Moment::Draws),
+            Stage::Draws => self.begin(Moment::Drawn),
+            _ => {}
+        }
+    }
+
+    /// Seconds left, `since` seconds after the moment under way began; none before the first evaluations.
+    pub(super) fn seconds_left(&self, expected: &Forecast, since: f64) -> Option<f64> {
+        if self.points == 0.0 {
+            return None;
+        }
+        let mean = self.seconds / self.points;
+        let least = self.least.unwrap_or(0.5 * mean);
+        let chains = self.chains_s.unwrap_or(expected.surface.chains_s);
+        let training = self.training.unwrap_or(expected.surface.training as f64);
+        let drawing = DRAWN * expected.draws * least;
+        let round = training * least + chains + drawing;
+        // Surfaces after the one under way.
+        let further = round
+            * match self.round {
+                0 | 1 => ROUNDS - 1.0,
+                2 => THIRD_ROUND,
+                _ => 0.0,
+            };
+        let end = expected.surface.diagnostics_s + expected.comparison * mean;
+        let posterior = round + further + end;
+        let derivatives = expected.derivatives * least;
+        let profiles = expected.profiles * mean;
+        let searching = |count: f64| (count.max(OVERDUE * self.here) - self.here) * mean;
+        Some(match self.moment {
+            Moment::Search => searching(expected.search) + derivatives + profiles + posterior,
+            Moment::Continued => {
+                searching(CONTINUED * expected.search) + derivatives + profiles + posterior
+            }
+            Moment::Repeated => {
+                searching(REPEATED * expected.search) + derivatives + profiles + posterior
+            }
+            Moment::Profiles => {
+                let whole = derivatives + profiles;
+                (whole - since).max((OVERDUE - 1.0) * since).min(whole) + posterior
+            }
+            Moment::Surface => {
+                let own = (training - self.here).max(0.0) * least + chains + drawing;
+                own + self.after_next(round) + end
+            }
+            Moment::Chains => (chains - since).max(LEAST_LEFT * chains) + drawing + further + end,
+            Moment::Draws => (DRAWN * expected.draws - self.here).max(0.0) * least + further + end,
+            // Each round but the last may have been enough.
+            Moment::Drawn if self.round < 3 => THIRD_ROUND * round + end,
+            Moment::Drawn => end,
+            Moment::Comparison => searching(expected.comparison.max(1.0)),
+        })
+    }
+
+    /// Seconds of the surfaces after the one whose points are under way.
+    fn after_next(&self, round: f64) -> f64 {
+        match self.round {
+            0 => (ROUNDS - 1.0) * round,
+            1 => THIRD_ROUND * round,
+            _ => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sizes(parameters: usize, latents: usize) -> Sizes {
+        Sizes { parameters, latents, observations: 100, starts: 2, compared: 0 }
+    }
+
+    /// Evaluations that were counted in fast identifications of random rigs: 171 to 1602 of laws with 5 to 10
+    /// parameters, 1187 to 14,706 of free laws.
+    #[test]
+    fn searches_are_of_the_size_of_those_counted() {
+        let search = |sizes| Forecast::new(sizes, &PosteriorOptions::default()).search;
+        assert!((300.0..600.0).contains(&search(sizes(5, 0))), "{}", search(sizes(5, 0)));
+        assert!((600.0..1000.0).contains(&search(sizes(10, 0))), "{}", search(sizes(10, 0)));
+        assert!((3000.0..6000.0).contains(&search(sizes(43, 40))), "{}", search(sizes(43, 40)));
+    }
+
+    #[test]
+    fn parts_are_counted_down() {
+        let forecast = Forecast {
+            search: 100.0,
+            derivatives: 10.0,
+            profiles: 0.0,
+            surface: SurfaceCost { training: 50, chains_s: 2.0, diagnostics_s: 1.0 },
+            draws: 100.0,
+            comparison: 0.0,
+        };
+        let mut now = Measured::default();
+        assert_eq!(now.seconds_left(&forecast, 0.0), None);
+        // Slow evaluations one by one, then many at a time: 0.1 and 0.02 s each.
+        now.add(1, 0.1);
+        now.add(10, 0.2);
+        let mean = 0.3 / 11.0;
+        let round = 50.0 * 0.02 + 2.0 + 60.0 * 0.02;
+        let close = |found: Option<f64>, expected: f64| {
+            let found = found.unwrap();
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        };
+        close(now.seconds_left(&forecast, 0.3), 89.0 * mean + 0.2 + 2.0 * round + 1.0);
+        now.begin(Moment::Profiles);
+        close(now.seconds_left(&forecast, 0.1), 0.1 + 2.0 * round + 1.0);
+        // Overdue: half as long again as so far, at most the whole.
+        close(now.seconds_left(&forecast, 0.3), 0.15 + 2.0 * round + 1.0);
+        now.begin(Moment::Surface);
+        now.add(40, 0.8);
+        close(now.seconds_left(&forecast, 0.8), 0.2 + 2.0 + 1.2 + round + 1.0);
+        let of = |stage, done, of| Progress { stage, done, of, cost: f64::INFINITY };
+        now.follow(&of(Stage::Surrogate, 60, 60), 100.0, 1.2);
+        // The surface had ten points more than expected.
+        let round = round + 10.0 * 0.02;
+        close(now.seconds_left(&forecast, 1.0), 1.0 + 1.2 + round + 1.0);
+        now.follow(&of(Stage::Sampling, 1, 3), 100.0, 3.0);
+        let round = round + 1.0;
+        now.add(20, 0.4);
+        close(now.seconds_left(&forecast, 0.4), 40.0 * 0.02 + round + 1.0);
+        now.follow(&of(Stage::Draws, 1, 3), 100.0, 0.6);
+        close(now.seconds_left(&forecast, 0.0), 0.5 * round + 1.0);
+        now.add(30, 0.6);
+        close(now.seconds_left(&forecast, 0.6), 30.0 * 0.02 + 3.0 + 1.2 + 0.5 * round + 1.0);
+        now.begin(Moment::Comparison);
+        assert!(now.seconds_left(&forecast, 0.0).unwrap() < 0.1);
+    }
+}
