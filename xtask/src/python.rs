@@ -36,6 +36,9 @@ const COMPARED: [&str; 11] = [
     "xarray",
 ];
 
+/// Installs packages. Their modules are compiled when they are first imported, and most are not.
+const INSTALL: [&str; 5] = ["-m", "pip", "install", "--quiet", "--no-compile"];
+
 /// Variable that makes the package a condition, with this value.
 const REQUIRED: (&str, &str) = ("ASPERITY_PYTHON", "required");
 
@@ -56,6 +59,7 @@ pub(crate) fn run() -> Result<bool> {
     let call = |program: &Path, arguments: &[&str], folder: &Path| -> Result<bool> {
         let mut command = Command::new(program);
         command.args(arguments).current_dir(folder).env("PIP_DISABLE_PIP_VERSION_CHECK", "1");
+        command.env_remove("PYTHONDONTWRITEBYTECODE");
         let status = command.status().with_context(|| program.display().to_string())?;
         Ok(status.success())
     };
@@ -64,13 +68,13 @@ pub(crate) fn run() -> Result<bool> {
         call(&interpreter, &["-m", "venv", &environment], &root)?,
         "cannot create {environment}"
     );
-    let install = [&["-m", "pip", "install", "--quiet"][..], &TOOLS].concat();
+    let install = [&INSTALL[..], &TOOLS].concat();
     if !call(&python, &install, &root)? {
         ensure!(!required, "the tools of the Python package cannot be installed");
         println!("python: skipped, {} cannot be installed", TOOLS.join(", "));
         return Ok(true);
     }
-    let compared = [&["-m", "pip", "install", "--quiet"][..], &COMPARED].concat();
+    let compared = [&INSTALL[..], &COMPARED].concat();
     if !call(&python, &compared, &root)? {
         ensure!(!required, "the packages to compare with cannot be installed");
         println!("python: without comparisons, {} cannot be installed", COMPARED.join(", "));
@@ -86,7 +90,7 @@ pub(crate) fn run() -> Result<bool> {
     }
     let wheel = std::fs::read_dir(&wheels)?.next().context("maturin built no wheel")??.path();
     let wheel = wheel.display().to_string();
-    let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", &wheel];
+    let install = [&INSTALL[..], &["--force-reinstall", "--no-deps", &wheel]].concat();
     // The stubs are compared away from the sources, which the wheel must not depend on.
     Ok(call(&python, &install, &root)?
         && call(&python, &["-m", "mypy.stubtest", "asperity"], &own)?
