@@ -18,7 +18,7 @@ pub struct SurfaceCost {
 /// diagnostics of a kept number \[s\]: an estimate of the sizes of both, for the time left.
 const STEP_S: f64 = 1e-7;
 const STEP_SHARE: f64 = 1.2;
-const DIAGNOSED_S: f64 = 4e-7;
+const DIAGNOSED_S: f64 = 2.8e-7;
 
 impl PosteriorOptions {
     /// What a round takes with so many parameters and observations, estimated from an evaluation of a surface of their
