@@ -76,6 +76,7 @@ pub(super) fn sampled_fit(
             .and_then(|own| at_held_steps(problem, forward, own, progress))
             .and_then(|own| sampled_from(problem, (forward, about), own, unfinished, progress));
         match again {
+            Ok(again) if again.own.cost > found.own.cost => break,
             Ok(again) => found = again,
             // What was finished before a request to stop is kept.
             Err(_) if problem.work.is_stopped() => break,
@@ -125,6 +126,9 @@ fn sampled_from(
     }
     let better = match &sampled {
         Ok((posterior, None)) => best.better_draw(posterior).map(<[f64]>::to_vec),
+        Ok((posterior, Some(_))) if goodness.agreement() == Agreement::None => {
+            best.better_latent_draw(posterior).map(<[f64]>::to_vec)
+        }
         _ => None,
     };
     let best = best.into_solution();

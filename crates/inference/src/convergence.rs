@@ -3,8 +3,8 @@
 //! Source: A. Vehtari, A. Gelman, D. Simpson, B. Carpenter, P.-C. Bürkner, *Rank-normalization,
 //! folding, and localization: an improved R-hat*, Bayesian Analysis 16, 667 (2021).
 
+use crate::linear_algebra::vectorised;
 use crate::random::normal_quantile;
-use crate::vectors::vectorised;
 
 /// Rank-normalised split R-hat of chains of one quantity,
 ///

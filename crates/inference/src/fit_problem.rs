@@ -175,6 +175,11 @@ impl<'a> FitProblem<'a> {
         0.5 * self.prior_rows(x).map(|(_, residual, _)| residual * residual).sum::<f64>()
     }
 
+    pub(crate) fn prior_cost_but_of_latents(&self, x: &[f64]) -> f64 {
+        let others = self.prior_rows(x).filter(|(j, ..)| !self.parameters[*j].is_latent());
+        0.5 * others.map(|(_, residual, _)| residual * residual).sum::<f64>()
+    }
+
     pub(crate) fn cost(&self, residuals: &[f64], x: &[f64]) -> f64 {
         self.data_cost(residuals) + self.prior_cost(x)
     }

@@ -4,11 +4,12 @@ use faer::Mat;
 
 use crate::error::InferenceError;
 use crate::latent_prior::LatentPrior;
-use crate::linear_algebra::{dot, right_singular_vectors, upper_root, upper_solve, upper_times};
+use crate::linear_algebra::{
+    dot, right_singular_vectors, upper_root, upper_solve, upper_times, vectorised,
+};
 use crate::model::{ForwardModel, Observation, PredictionError, Predictions};
 use crate::parameter::Parameter;
 use crate::random::{generator, normal, uniform};
-use crate::vectors::vectorised;
 
 /// Precision of the data over the prior's above which a combination is sampled with the data. All
 /// combinations below it are drawn from the prior; the importance weights contain their effect.

@@ -83,7 +83,6 @@ mod search;
 mod stencil;
 mod strain;
 mod surrogate;
-mod vectors;
 
 pub use comparison::{
     ComparedModel, ComparisonOptions, CrossValidation, GOOD_P_VALUE, MISFIT_P_VALUE,

@@ -157,3 +157,9 @@ pub(crate) fn right_singular_vectors(matrix: &Mat<f64>) -> Option<(Vec<f64>, Vec
     let vector = |k: usize| (0..count).map(|j| vectors[(j, k)]).collect();
     Some((values.column_vector().iter().copied().collect(), (0..count).map(vector).collect()))
 }
+
+/// The outcome of `task`, compiled for the vector instructions of the machine. No sum changes its order and no product is
+/// fused with a sum, so results are the same on all machines. What `task` calls must be compiled with it.
+pub(crate) fn vectorised<R>(task: impl FnOnce() -> R) -> R {
+    pulp::Arch::new().dispatch(task)
+}

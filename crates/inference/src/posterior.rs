@@ -30,6 +30,9 @@ const MAX_LEFT_OUT: f64 = 0.25;
 /// Fall of the cost from which a minimum is another one.
 const LOWER: f64 = 0.5;
 
+/// Cost of a draw with latents over that of the fit below which the fit ended short.
+const LATENT_LOWER: f64 = 0.9;
+
 impl Fit<'_> {
     /// Samples `exp(-cost(x))` in working coordinates within the bounds: the loss gives the
     /// likelihood (a pseudo-likelihood unless squared) and the priors count; the observations'
@@ -97,6 +100,27 @@ impl Fit<'_> {
     /// direction: the search then ended in a minimum that is not the lowest. Draws without a prediction that the fit has do
     /// not count.
     pub fn better_draw<'p>(&self, posterior: &'p Posterior) -> Option<&'p [f64]> {
+        let (draw, least) = self.least_draw(posterior, &|x| self.problem.prior_cost(x))?;
+        (least < self.cost - LOWER).then_some(draw)
+    }
+
+    /// As [`better_draw`](Self::better_draw), without the priors of latents, which are not those of
+    /// [`latent_posterior`](Self::latent_posterior): the draw of least cost, if it is lower by a tenth. That is
+    /// far more than the priors of latents explain where a fit does not agree with its data.
+    pub fn better_latent_draw<'p>(&self, posterior: &'p Posterior) -> Option<&'p [f64]> {
+        let prior = |x: &[f64]| self.problem.prior_cost_but_of_latents(x);
+        let own =
+            self.problem.data_cost(&self.residuals) + prior(&self.problem.to_working(&self.point));
+        let (draw, least) = self.least_draw(posterior, &prior)?;
+        (least < LATENT_LOWER * own).then_some(draw)
+    }
+
+    /// The draw of least cost of its residuals with a `prior`, and that cost.
+    fn least_draw<'p>(
+        &self,
+        posterior: &'p Posterior,
+        prior: &dyn Fn(&[f64]) -> f64,
+    ) -> Option<(&'p [f64], f64)> {
         let cost = |(draw, predictions): (&'p Vec<f64>, &Predictions)| {
             let has_all = predictions.len() == self.predictions.len()
                 && predictions
@@ -104,12 +128,11 @@ impl Fit<'_> {
                     .zip(&self.predictions)
                     .all(|(a, b)| a.is_some() || b.is_none());
             let x = self.problem.to_working(draw);
-            let cost = self.problem.cost(&self.problem.residuals(predictions), &x);
-            has_all.then_some((draw, cost))
+            let cost = self.problem.data_cost(&self.problem.residuals(predictions)) + prior(&x);
+            has_all.then_some((draw.as_slice(), cost))
         };
         let costs = posterior.draws.iter().zip(&posterior.predictions).filter_map(cost);
-        let (draw, least) = costs.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        (least < self.cost - LOWER).then_some(draw)
+        costs.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 }
 

@@ -7,13 +7,12 @@ use faer::Mat;
 use crate::covariance::Covariance;
 use crate::error::{InferenceError, check_range};
 use crate::fit_problem::FitProblem;
-use crate::linear_algebra::{dot, upper_solve, upper_times};
+use crate::linear_algebra::{dot, upper_solve, upper_times, vectorised};
 use crate::model::Predictions;
 use crate::polynomial::{Cubics, LeastSquares, Monomials};
 use crate::profile::Profile;
 use crate::progress::{ProgressCallback, Stage, report};
 use crate::random::{generator, latin_hypercube, normal, normal_quantile};
-use crate::vectors::vectorised;
 
 /// Largest number of parameters with all cubic terms, and with those of two parameters.
 const MAX_CUBIC: usize = 10;

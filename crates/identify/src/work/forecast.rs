@@ -1,4 +1,4 @@
-//! What an identification is expected to take, and the time left of it.
+//! The time left of an identification, from what it is expected to take and has taken so far.
 //!
 //! Evaluations of the model take the time that those so far took: the least on the points of a response
 //! surface, which are evaluated many at a time, and in a search the geometric mean of least and mean, since the few far from
@@ -55,7 +55,7 @@ const NEWEST: [f64; 2] = [0.1, 0.02];
 /// Points in one call from which on the time of each is that of many at a time.
 const MANY: usize = 8;
 
-/// What an identification is expected to take.
+/// Evaluations, rounds and time that an identification is expected to take.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Forecast {
     search: f64,
@@ -107,7 +107,7 @@ pub(crate) fn expected_of_explanations(parameters: usize) -> f64 {
     6.0 * 5.0 * (2 * (parameters + 1) + 2) as f64
 }
 
-/// What is under way.
+/// The part that is under way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Moment {
     #[default]
@@ -125,7 +125,7 @@ pub(super) enum Moment {
     Comparison,
 }
 
-/// What was measured so far.
+/// Paces and numbers that were measured so far.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Measured {
     points: f64,

@@ -1,9 +1,9 @@
-//! What a posterior takes, estimated before it.
+//! The time of a posterior, estimated before it.
 
 use super::options::PosteriorOptions;
 use crate::surrogate::{evaluation_seconds, training_points};
 
-/// What a round of a posterior on a response surface takes, and its diagnostics.
+/// Points and time of a round of a posterior on a response surface, and of its diagnostics.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceCost {
     /// Training points of a surface.
@@ -21,7 +21,7 @@ const STEP_SHARE: f64 = 1.2;
 const DIAGNOSED_S: f64 = 2.8e-7;
 
 impl PosteriorOptions {
-    /// What a round takes with so many parameters and observations, estimated from an evaluation of a surface of their
+    /// Points and time of a round with so many parameters and observations, estimated from an evaluation of a surface of their
     /// sizes on this machine.
     ///
     /// ```

@@ -114,3 +114,33 @@ fn a_draw_of_lower_cost_is_a_further_start() {
     without.predictions.iter_mut().for_each(|one| one[1] = None);
     assert_eq!(found.better_draw(&without), None);
 }
+
+/// The same with a latent, whose value in a draw has the prior of a mixture and not that of the fit: it does not count.
+#[test]
+fn latents_do_not_hide_a_draw_of_lower_cost() {
+    let model = FunctionModel {
+        parameters: vec![
+            Parameter::linear("x", -1.2, [-2.0, 2.0]).unwrap(),
+            Parameter::latent("z"),
+        ],
+        observations: Observation::list(&[0.0, 1.0, 0.0], 0.1),
+        function: |x: &[f64]| vec![3.0 * (x[0] * x[0] - 1.0), x[0], 1e-3 * x[1]],
+    };
+    let found = fit(&model, &FitOptions { starts: 1, ..FitOptions::default() }).unwrap();
+    assert!(found.point[0] < -0.8 && found.cost > 100.0, "{:?}", found.point);
+    let drawn = |draw: [f64; 2]| Posterior {
+        draws: vec![draw.to_vec()],
+        weights: vec![1.0],
+        predictions: vec![(model.function)(&draw).into_iter().map(Some).collect()],
+        diagnostics: PosteriorDiagnostics::default(),
+    };
+    let far = drawn([1.01, 30.0]);
+    assert_eq!(found.better_draw(&far), None);
+    assert_eq!(found.better_latent_draw(&far), Some(&[1.01, 30.0][..]));
+    let start = found.clone().into_solution().with_start(vec![1.01, 30.0]);
+    let again = refit_with_progress(&model, &start, &|_| ()).unwrap();
+    assert!((again.point[0] - 1.0).abs() < 1e-6 && again.point[1].abs() < 1e-3);
+    // Not by a tenth: the priors of latents may explain it.
+    assert_eq!(found.better_latent_draw(&drawn([found.point[0] + 1e-3, 0.0])), None);
+    assert_eq!(found.better_latent_draw(&drawn([-0.99, 0.0])), None);
+}
