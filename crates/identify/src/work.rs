@@ -103,7 +103,7 @@ impl Work {
         let over = state.begun.elapsed().as_secs_f64();
         let share = left.map_or(0.0, |left| over / (over + left));
         state.shown = state.shown.max(share);
-        let left = left.map(Duration::from_secs_f64);
+        let left = left.and_then(|left| Duration::try_from_secs_f64(left).ok());
         Some(WorkProgress { stage: state.stage, share: state.shown, left })
     }
 

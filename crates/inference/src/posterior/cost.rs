@@ -28,12 +28,13 @@ impl PosteriorOptions {
     /// let options = asperity_inference::PosteriorOptions::default();
     /// let [few, many] = [3, 9].map(|parameters| options.surface_cost(parameters, 100));
     /// assert_eq!(few.training, 50);
-    /// assert!(many.chains_s > few.chains_s);
+    /// assert_eq!(many.training, 550);
+    /// assert!(few.chains_s > 0.0 && many.diagnostics_s > few.diagnostics_s);
     /// ```
     pub fn surface_cost(&self, parameters: usize, observations: usize) -> SurfaceCost {
         let layout = self.layout(parameters, 1);
         let walkers = (layout.ensembles * layout.walkers) as f64;
-        let threads = rayon::current_num_threads().clamp(1, layout.ensembles) as f64;
+        let threads = rayon::current_num_threads().min(layout.ensembles).max(1) as f64;
         let step = STEP_S + STEP_SHARE * evaluation_seconds(parameters, observations);
         let states = walkers * (self.burn_in + self.steps) as f64;
         let kept = walkers * self.steps as f64 * parameters as f64;
