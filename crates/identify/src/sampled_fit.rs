@@ -126,7 +126,7 @@ fn sampled_from(
     }
     let better = match &sampled {
         Ok((posterior, None)) => best.better_draw(posterior).map(<[f64]>::to_vec),
-        Ok((posterior, Some(_))) if far_from_data(&own) => {
+        Ok((posterior, Some(_))) if goodness.agreement() == Agreement::None => {
             best.better_latent_draw(posterior).map(<[f64]>::to_vec)
         }
         _ => None,

@@ -106,13 +106,15 @@ impl Fit<'_> {
 
     /// As [`better_draw`](Self::better_draw), without the priors of latents, which are not those of
     /// [`latent_posterior`](Self::latent_posterior): the draw of least cost, if it is lower by a tenth. That is
-    /// far more than the priors of latents explain where a fit does not agree with its data.
+    /// far more than the priors of latents explain where a fit does not agree with its data. None where the fit without
+    /// them does.
     pub fn better_latent_draw<'p>(&self, posterior: &'p Posterior) -> Option<&'p [f64]> {
         let prior = |x: &[f64]| self.problem.prior_cost_but_of_latents(x);
         let own =
             self.problem.data_cost(&self.residuals) + prior(&self.problem.to_working(&self.point));
         let (draw, least) = self.least_draw(posterior, &prior)?;
-        (least < LATENT_LOWER * own).then_some(draw)
+        let is_far = 2.0 * own > self.residuals.len() as f64;
+        (is_far && least < LATENT_LOWER * own).then_some(draw)
     }
 
     /// The draw of least cost of its residuals with a `prior`, and that cost.
