@@ -46,10 +46,11 @@ impl ForwardModel for ScenarioModel {
                     return points.iter().map(|_| Err(stopped())).collect::<Vec<_>>();
                 }
                 let outcomes = self.outcomes(points);
+                self.work.count(points.len());
                 points.iter().zip(outcomes).map(predict).collect::<Vec<_>>()
             })
             .collect();
-        self.work.add(points.len(), begun.elapsed().as_secs_f64());
+        self.work.time(points.len(), begun.elapsed().as_secs_f64());
         found
     }
 

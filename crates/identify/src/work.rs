@@ -167,9 +167,14 @@ impl Work {
         });
     }
 
-    /// Counts evaluated points, which took so many seconds together.
-    pub(crate) fn add(&self, points: usize, seconds: f64) {
-        self.change(|state| state.measured.add(points, seconds));
+    /// Counts evaluated points.
+    pub(crate) fn count(&self, points: usize) {
+        self.change(|state| state.measured.count(points));
+    }
+
+    /// Takes in that counted points took so many seconds together.
+    pub(crate) fn time(&self, points: usize, seconds: f64) {
+        self.change(|state| state.measured.time(points, seconds));
     }
 }
 
@@ -182,17 +187,18 @@ mod tests {
     fn the_share_never_falls() {
         let work = Work::default();
         assert!(work.progress().is_none());
-        work.add(1, 1.0);
+        work.time(1, 1.0);
         work.repeat();
         let sizes = Sizes { parameters: 3, latents: 0, observations: 10, starts: 1, compared: 0 };
         work.plan(Forecast::new(sizes, &PosteriorOptions::default()));
         let begun = work.progress().unwrap();
         assert_eq!((begun.stage, begun.share, begun.left), (WorkStage::Fit, 0.0, None));
-        work.add(100, 1e-9);
+        work.time(100, 1e-9);
         let mut last = 0.0;
         for stage in [WorkStage::Profiles, WorkStage::Posterior, WorkStage::Fit] {
             work.begin(stage);
-            work.add(10, 1e-3);
+            work.count(10);
+            work.time(10, 1e-3);
             let now = work.progress().unwrap();
             assert!(now.share >= last && now.share < 1.0 && now.left.is_some(), "{now:?}");
             last = now.share;

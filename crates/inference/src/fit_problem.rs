@@ -172,16 +172,27 @@ impl<'a> FitProblem<'a> {
 
     /// Half the sum of the squared standardised distances from the priors' means.
     pub(crate) fn prior_cost(&self, x: &[f64]) -> f64 {
-        0.5 * self.prior_rows(x).map(|(_, residual, _)| residual * residual).sum::<f64>()
+        self.prior_cost_of(x, &|_| true)
     }
 
-    pub(crate) fn prior_cost_but_of_latents(&self, x: &[f64]) -> f64 {
-        let others = self.prior_rows(x).filter(|(j, ..)| !self.parameters[*j].is_latent());
-        0.5 * others.map(|(_, residual, _)| residual * residual).sum::<f64>()
+    /// The same of the parameters that count.
+    fn prior_cost_of(&self, x: &[f64], counts: &dyn Fn(&Parameter) -> bool) -> f64 {
+        let rows = self.prior_rows(x).filter(|(j, ..)| counts(&self.parameters[*j]));
+        0.5 * rows.map(|(_, residual, _)| residual * residual).sum::<f64>()
     }
 
     pub(crate) fn cost(&self, residuals: &[f64], x: &[f64]) -> f64 {
-        self.data_cost(residuals) + self.prior_cost(x)
+        self.cost_of(residuals, x, &|_| true)
+    }
+
+    /// The cost with the priors of the parameters that count.
+    pub(crate) fn cost_of(
+        &self,
+        residuals: &[f64],
+        x: &[f64],
+        counts: &dyn Fn(&Parameter) -> bool,
+    ) -> f64 {
+        self.data_cost(residuals) + self.prior_cost_of(x, counts)
     }
 
     /// Index of the parameter, standardised residual and its derivative, for every prior.

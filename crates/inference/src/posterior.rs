@@ -11,6 +11,7 @@ use crate::error::{InferenceError, check_size};
 use crate::fit::Fit;
 use crate::fit_problem::FitProblem;
 use crate::model::Predictions;
+use crate::parameter::Parameter;
 use crate::profile::Profile;
 use crate::progress::{ProgressCallback, Stage, report};
 use crate::sampler::sample_chains;
@@ -30,8 +31,8 @@ const MAX_LEFT_OUT: f64 = 0.25;
 /// Fall of the cost from which a minimum is another one.
 const LOWER: f64 = 0.5;
 
-/// Cost of a draw with latents over that of the fit below which the fit ended short.
-const LATENT_LOWER: f64 = 0.9;
+/// Share of the cost of a fit, and cost, by which a draw with latents is lower where the fit ended short.
+const LATENT_LOWER: [f64; 2] = [0.1, 10.0];
 
 impl Fit<'_> {
     /// Samples `exp(-cost(x))` in working coordinates within the bounds: the loss gives the
@@ -100,28 +101,27 @@ impl Fit<'_> {
     /// direction: the search then ended in a minimum that is not the lowest. Draws without a prediction that the fit has do
     /// not count.
     pub fn better_draw<'p>(&self, posterior: &'p Posterior) -> Option<&'p [f64]> {
-        let (draw, least) = self.least_draw(posterior, &|x| self.problem.prior_cost(x))?;
+        let (draw, least) = self.least_draw(posterior, &|_| true)?;
         (least < self.cost - LOWER).then_some(draw)
     }
 
     /// As [`better_draw`](Self::better_draw), without the priors of latents, which are not those of
-    /// [`latent_posterior`](Self::latent_posterior): the draw of least cost, if it is lower by a tenth. That is
-    /// far more than the priors of latents explain where a fit does not agree with its data. None where the fit without
-    /// them does.
+    /// [`latent_posterior`](Self::latent_posterior): the draw of least cost, if it is lower by a tenth and by more than ten, which
+    /// is more than another prior of latents explains.
     pub fn better_latent_draw<'p>(&self, posterior: &'p Posterior) -> Option<&'p [f64]> {
-        let prior = |x: &[f64]| self.problem.prior_cost_but_of_latents(x);
-        let own =
-            self.problem.data_cost(&self.residuals) + prior(&self.problem.to_working(&self.point));
-        let (draw, least) = self.least_draw(posterior, &prior)?;
-        let is_far = 2.0 * own > self.residuals.len() as f64;
-        (is_far && least < LATENT_LOWER * own).then_some(draw)
+        let is_no_latent = |parameter: &Parameter| !parameter.is_latent();
+        let x = self.problem.to_working(&self.point);
+        let own = self.problem.cost_of(&self.residuals, &x, &is_no_latent);
+        let (draw, least) = self.least_draw(posterior, &is_no_latent)?;
+        let [share, lower] = LATENT_LOWER;
+        (own - least > lower.max(share * own)).then_some(draw)
     }
 
-    /// The draw of least cost of its residuals with a `prior`, and that cost.
+    /// The draw of least cost with the priors of the parameters that count, and that cost.
     fn least_draw<'p>(
         &self,
         posterior: &'p Posterior,
-        prior: &dyn Fn(&[f64]) -> f64,
+        counts: &dyn Fn(&Parameter) -> bool,
     ) -> Option<(&'p [f64], f64)> {
         let cost = |(draw, predictions): (&'p Vec<f64>, &Predictions)| {
             let has_all = predictions.len() == self.predictions.len()
@@ -130,7 +130,7 @@ impl Fit<'_> {
                     .zip(&self.predictions)
                     .all(|(a, b)| a.is_some() || b.is_none());
             let x = self.problem.to_working(draw);
-            let cost = self.problem.data_cost(&self.problem.residuals(predictions)) + prior(&x);
+            let cost = self.problem.cost_of(&self.problem.residuals(predictions), &x, counts);
             has_all.then_some((draw.as_slice(), cost))
         };
         let costs = posterior.draws.iter().zip(&posterior.predictions).filter_map(cost);

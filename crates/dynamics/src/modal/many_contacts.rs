@@ -20,24 +20,19 @@
 //!
 //! R grows with x, so that the equations keep one solution. The mean of tractions of both ends acts on modes in a step: a linear
 //! damper on a mass and a spring is stable at any step, as the roots of its difference equation show.
-#![allow(
-    clippy::inline_always,
-    reason = "what a step calls must be compiled with it, for the vectors of the machine"
-)]
 
 mod contact_factor;
 mod contact_forces;
 mod observation;
 mod run_parts;
 
-use std::ops::{Range, RangeInclusive};
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use asperity_mesh::ComponentModes;
 use asperity_structure::{LoadCase, PreloadedContact, PreloadedStructure};
 use faer::Mat;
-use pulp::Arch;
 
 use crate::contact_energy::excess;
 use crate::error::{balanced, check_modal_damping};
@@ -211,7 +206,9 @@ impl ManyContacts {
                 return Err(DynamicsError::Stopped { steps: sample * parts });
             }
             run.record(sample as f64 * sampling.interval(), &mut history);
-            run.advance_through(sample * parts + 1..=(sample + 1) * parts)?;
+            for part in 1..=parts {
+                run.advance((sample * parts + part) as f64 * step)?;
+            }
         }
         let steps = samples * parts;
         let energy = run.energy();
@@ -228,9 +225,6 @@ struct Run<'a> {
     load: &'a LoadCase,
     step: f64,
     modes: Vec<SteppedMode>,
-    /// Closures of contacts in modes: modes by contacts. Forces along modes by contacts that carry them.
-    shapes: Mat<f64>,
-    along: Vec<f64>,
     /// Closure of each contact, and displacement of each sensor, per contact force and load of modes left out.
     residual: Residual,
     /// Flexibility of a step between contacts, and of the load in closures.
@@ -316,8 +310,6 @@ impl<'a> Run<'a> {
             system,
             load,
             step,
-            shapes: Mat::from_fn(modes.len(), n, |m, i| modes[m].closures[i]),
-            along: vec![0.0; modes.len()],
             displacement: vec![0.0; modes.len()],
             velocity: vec![0.0; modes.len()],
             modal_force,
@@ -370,19 +362,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Advances by the steps of these numbers, in loops for the widest vectors of the machine: sums keep their order, so
-    /// that results are the same on all.
-    fn advance_through(&mut self, steps: RangeInclusive<usize>) -> Result<(), DynamicsError> {
-        Arch::new().dispatch(|| {
-            for step in steps {
-                self.advance(step as f64 * self.step)?;
-            }
-            Ok(())
-        })
-    }
-
     /// Advances by one step, to `time` \[s\].
-    #[inline(always)]
     fn advance(&mut self, time: f64) -> Result<(), DynamicsError> {
         let load = self.load.value(time);
         let mut free = std::mem::take(&mut self.free);
@@ -410,9 +390,9 @@ impl<'a> Run<'a> {
         self.free = free;
         solved?;
         let mut loss = 0.0;
-        times(&self.shapes, &self.forces, &mut self.along);
         for (m, mode) in self.modes.iter().enumerate() {
-            let force = mode.load * load - self.along[m];
+            let along: f64 = mode.closures.iter().zip(&self.forces).map(|(b, f)| b * f).sum();
+            let force = mode.load * load - along;
             let rate = mode.dynamics.rate;
             let old = [self.displacement[m], self.velocity[m]];
             let new =
@@ -451,7 +431,6 @@ impl<'a> Run<'a> {
 
     /// Solves the contact equations for closures `free` without contact forces at a `time` \[s\], with rates of impulses
     /// by the inverse `rate` of the step \[1/s\]; zero for none.
-    #[inline(always)]
     fn solve(
         &mut self,
         free: &[f64],
@@ -468,7 +447,6 @@ impl<'a> Run<'a> {
     }
 
     /// Newton steps to the closures of `work`; false if they do not end.
-    #[inline(always)]
     fn newton(&mut self, free: &[f64], flexibility: &Mat<f64>, rate: f64, work: &mut Work) -> bool {
         let (forces, contacts) = (&self.system.forces, self.system.structure.contacts());
         let Work { factor, place, from, change, rest, carried, increments, room } = work;

@@ -267,7 +267,7 @@ fn on<F: NullaryFnOnce>(set: InstructionSet, task: F) -> Result<F::Output, Dynam
 
 /// The cubic through values and slopes at 0 and 1, at `s`.
 #[inline(always)]
-fn hermite([a, da, b, db]: [f64; 4], s: f64) -> f64 {
+pub(super) fn hermite([a, da, b, db]: [f64; 4], s: f64) -> f64 {
     let rise = b - a;
     a + s * (da + s * ((3.0 * rise - 2.0 * da - db) + s * (da + db - 2.0 * rise)))
 }

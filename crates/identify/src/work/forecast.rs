@@ -149,17 +149,20 @@ impl Measured {
         }
     }
 
-    /// Takes in an evaluation of points that took so many seconds.
-    pub(super) fn add(&mut self, points: usize, seconds: f64) {
-        let count = points as f64;
-        self.points += count;
-        self.here += count;
-        self.seconds += seconds;
+    /// Counts points that are evaluated.
+    pub(super) fn count(&mut self, points: usize) {
         if self.moment == Moment::Drawn {
-            (self.moment, self.here) = (Moment::Surface, count);
+            self.begin(Moment::Surface);
         }
+        self.here += points as f64;
+    }
+
+    /// Takes in that counted points took so many seconds together.
+    pub(super) fn time(&mut self, points: usize, seconds: f64) {
+        self.points += points as f64;
+        self.seconds += seconds;
         if points >= MANY {
-            let own = seconds / count;
+            let own = seconds / points as f64;
             self.least = Some(self.least.map_or(own, |least| {
                 let weight = if own < least { NEWEST[0] } else { NEWEST[1] };
                 least + weight * (own - least)
@@ -198,50 +201,39 @@ impl Measured {
         let training = self.training.unwrap_or(expected.surface.training as f64);
         let drawing = DRAWN * expected.draws * least;
         let round = training * least + chains + drawing;
-        // Surfaces after the one under way.
-        let further = round
-            * match self.round {
-                0 | 1 => ROUNDS - 1.0,
-                2 => THIRD_ROUND,
-                _ => 0.0,
-            };
         let end = expected.surface.diagnostics_s + expected.comparison * searched;
-        let posterior = round + further + end;
-        let derivatives = expected.derivatives * least;
-        let profiles = expected.profiles * searched;
+        // The surfaces after one, and the end.
+        let after = |surface: usize| further_rounds(surface) * round + end;
+        let (now, next) = (self.round, self.round + 1);
+        let linear = expected.derivatives * least + expected.profiles * searched;
         let searching = |count: f64| (count.max(OVERDUE * self.here) - self.here) * searched;
+        let search = |share: f64| searching(share * expected.search) + linear + round + after(next);
         Some(match self.moment {
-            Moment::Search => searching(expected.search) + derivatives + profiles + posterior,
-            Moment::Continued => {
-                searching(CONTINUED * expected.search) + derivatives + profiles + posterior
-            }
-            Moment::Repeated => {
-                searching(REPEATED * expected.search) + derivatives + profiles + posterior
-            }
+            Moment::Search => search(1.0),
+            Moment::Continued => search(CONTINUED),
+            Moment::Repeated => search(REPEATED),
             Moment::Profiles => {
-                let whole = derivatives + profiles;
-                (whole - since).max((OVERDUE - 1.0) * since).min(whole) + posterior
+                let left = (linear - since).max((OVERDUE - 1.0) * since).min(linear);
+                left + round + after(next)
             }
             Moment::Surface => {
-                let own = (training - self.here).max(0.0) * least + chains + drawing;
-                own + self.after_next(round) + end
+                (training - self.here).max(0.0) * least + chains + drawing + after(next)
             }
-            Moment::Chains => (chains - since).max(LEAST_LEFT * chains) + drawing + further + end,
-            Moment::Draws => (DRAWN * expected.draws - self.here).max(0.0) * least + further + end,
+            Moment::Chains => (chains - since).max(LEAST_LEFT * chains) + drawing + after(now),
+            Moment::Draws => (DRAWN * expected.draws - self.here).max(0.0) * least + after(now),
             // Each round but the last may have been enough.
-            Moment::Drawn if self.round < 3 => THIRD_ROUND * round + end,
-            Moment::Drawn => end,
-            Moment::Comparison => searching(expected.comparison.max(1.0)),
+            Moment::Drawn => further_rounds(now).min(THIRD_ROUND) * round + end,
+            Moment::Comparison => searching(expected.comparison),
         })
     }
+}
 
-    /// Seconds of the surfaces after the one whose points are under way.
-    fn after_next(&self, round: f64) -> f64 {
-        match self.round {
-            0 => (ROUNDS - 1.0) * round,
-            1 => THIRD_ROUND * round,
-            _ => 0.0,
-        }
+/// Surfaces expected after one of this number.
+fn further_rounds(surface: usize) -> f64 {
+    match surface {
+        1 => ROUNDS - 1.0,
+        2 => THIRD_ROUND,
+        _ => 0.0,
     }
 }
 
@@ -264,6 +256,13 @@ mod tests {
             (sizes(43, 40), 1187.0..14_706.0),
         ] {
             assert!(counted.contains(&search(sizes)), "{sizes:?}: {}", search(sizes));
+        }
+    }
+
+    impl Measured {
+        fn add(&mut self, points: usize, seconds: f64) {
+            self.count(points);
+            self.time(points, seconds);
         }
     }
 

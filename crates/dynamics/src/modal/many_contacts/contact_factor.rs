@@ -23,7 +23,6 @@ pub(super) struct ContactFactor {
 impl ContactFactor {
     /// Factors the equations of the contacts whose `stiffness` is positive, unless the last factor is close enough. False where they
     /// are not positive definite.
-    #[inline(always)]
     pub(super) fn update(&mut self, stiffness: &[f64], flexibility: &Mat<f64>) -> bool {
         let closed = || (0..stiffness.len()).filter(|&i| stiffness[i] > 0.0);
         let same = || {
@@ -58,7 +57,6 @@ impl ContactFactor {
 
     /// The solution for all contacts of the equations of the closed ones with the right side `rest`, in `solution`: zero for open
     /// contacts. `room` is memory.
-    #[inline(always)]
     pub(super) fn solve(&self, rest: &[f64], solution: &mut [f64], room: &mut Vec<f64>) {
         solution.fill(0.0);
         room.clear();
@@ -77,7 +75,6 @@ impl ContactFactor {
 }
 
 /// Cholesky factor in place of a symmetric matrix by columns; false if it is not positive definite.
-#[inline(always)]
 fn factor_few(entries: &mut [f64], size: usize) -> bool {
     for k in 0..size {
         let (done, rest) = entries.split_at_mut((k + 1) * size);
@@ -103,7 +100,6 @@ fn factor_few(entries: &mut [f64], size: usize) -> bool {
 }
 
 /// Solves with a factor of [`factor_few`] in place.
-#[inline(always)]
 fn solve_few(entries: &[f64], right: &mut [f64]) {
     let size = right.len();
     for k in 0..size {
@@ -121,8 +117,7 @@ fn solve_few(entries: &[f64], right: &mut [f64]) {
     }
 }
 
-/// The `matrix` times a vector.
-#[inline(always)]
+/// The symmetric `matrix` times a vector.
 pub(super) fn times(matrix: &Mat<f64>, vector: &[f64], product: &mut [f64]) {
     product.fill(0.0);
     for (column, factor) in vector.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {

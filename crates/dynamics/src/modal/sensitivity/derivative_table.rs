@@ -1,5 +1,7 @@
 //! Derivatives of a law over pressure, tabulated for a run of many steps.
 
+use crate::modal::variable_steps::hermite;
+
 /// A function with its slope, at one place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Sloped {
@@ -89,14 +91,9 @@ impl DerivativeTable {
 /// The cubics through values and slopes at two places, between them.
 fn between((from, start): (f64, &Both), (to, end): (f64, &Both), place: f64) -> [f64; 2] {
     let width = to - from;
-    let s = (place - from) / width;
     [0, 1].map(|k| {
         let (a, b) = (start[k], end[k]);
-        let rise = b.value - a.value;
-        let (first, last) = (width * a.slope, width * b.slope);
-        a.value
-            + s * (first
-                + s * ((3.0 * rise - 2.0 * first - last) + s * (first + last - 2.0 * rise)))
+        hermite([a.value, width * a.slope, b.value, width * b.slope], (place - from) / width)
     })
 }
 
