@@ -59,10 +59,8 @@ pub(super) struct FreeLaw {
     /// Standard deviation of the level.
     level: f64,
     basis: LatentBasis,
-    reference: f64,
-    roughness: LogNormalSpec,
-    length: LogNormalSpec,
-    smoothness: Vec<SlopeSmoothness>,
+    /// The components of the prior: every smoothness with the grid of amplitudes and lengths.
+    pub(super) components: Vec<PriorComponent>,
 }
 
 /// Smoothness, amplitude and length of one component of the prior, with its weight.
@@ -72,6 +70,66 @@ pub(super) struct PriorComponent {
     pub(super) roughness: f64,
     pub(super) length: f64,
     weight: f64,
+}
+
+impl PriorComponent {
+    /// The components of unknown amplitude, length and smoothness.
+    fn grid(
+        roughness: &LogNormalSpec,
+        length: &LogNormalSpec,
+        smoothness: &[SlopeSmoothness],
+    ) -> Vec<Self> {
+        let places = |spec: &LogNormalSpec| -> Vec<(f64, f64)> {
+            if spec.log_deviation == 0.0 {
+                return vec![(spec.median, 1.0)];
+            }
+            let place =
+                |z: &f64| (spec.median * (spec.log_deviation * z).exp(), (-0.5 * z * z).exp());
+            GRID.iter().map(place).collect()
+        };
+        let (amplitudes, lengths) = (places(roughness), places(length));
+        let mut grid = Vec::new();
+        for &smoothness in smoothness {
+            for &(roughness, weight) in &amplitudes {
+                grid.extend(lengths.iter().map(|&(length, other)| Self {
+                    smoothness,
+                    roughness,
+                    length,
+                    weight: weight * other,
+                }));
+            }
+        }
+        grid
+    }
+
+    /// Covariance of the deviations of the slopes at places in ln p.
+    fn covariance(&self, places: &[f64]) -> Vec<Vec<f64>> {
+        let mut covariance = match self.smoothness {
+            SlopeSmoothness::Differentiable => matern_three_halves(places, self.length),
+            SlopeSmoothness::Continuous => matern_one_half(places, self.length),
+        };
+        for (i, row) in covariance.iter_mut().enumerate() {
+            row[i] += NUGGET;
+            row.iter_mut().for_each(|entry| *entry *= self.roughness.powi(2));
+        }
+        covariance
+    }
+}
+
+/// The latents of deviations of slopes with the mean covariance of some components.
+fn basis(
+    components: &[PriorComponent],
+    weights: &[f64],
+    places: &[f64],
+) -> Result<LatentBasis, IdentificationError> {
+    let mut mean = vec![vec![0.0; places.len()]; places.len()];
+    let total: f64 = weights.iter().sum();
+    for (component, weight) in components.iter().zip(weights) {
+        let own = component.covariance(places);
+        let pairs = mean.iter_mut().flatten().zip(own.iter().flatten());
+        pairs.for_each(|(sum, entry)| *sum += weight / total * entry);
+    }
+    Ok(LatentBasis::new(&mean)?)
 }
 
 impl FreeLaw {
@@ -129,7 +187,9 @@ impl FreeLaw {
             )));
         }
         let rises = Rises { step, below_one: *below_one, first_falling };
-        let reference = mean_covariance(smoothness, &places(points - 1, step), length.median);
+        let components = PriorComponent::grid(roughness, length, smoothness);
+        let weights: Vec<f64> = components.iter().map(|component| component.weight).collect();
+        let places = places(points - 1, step);
         let mut found = Self {
             name: law.clone(),
             pointer: JsonPointer::root().child("laws").child(law).to_string(),
@@ -140,11 +200,8 @@ impl FreeLaw {
             rises,
             pressures,
             level: *level,
-            basis: LatentBasis::new(&with_nugget(reference))?,
-            reference: roughness.median,
-            roughness: *roughness,
-            length: *length,
-            smoothness: smoothness.clone(),
+            basis: basis(&components, &weights, &places)?,
+            components,
         };
         (found.centre, found.numbers) = found.form_in(scenario)?;
         Ok(Some(found))
@@ -180,6 +237,19 @@ impl FreeLaw {
         pairs.all(|(one, other)| (one - other).abs() <= SAME_SLOPE)
     }
 
+    /// The same law in other latents: those that are independent and standard normal under the mean covariance of the
+    /// components with these weights.
+    pub(super) fn with_weights(&self, weights: &[f64]) -> Result<Self, IdentificationError> {
+        let basis = basis(&self.components, weights, &self.places())?;
+        Ok(Self { basis, ..self.clone() })
+    }
+
+    /// The latents of this law for those of `other`, which differs in its latents alone.
+    pub(super) fn latents_of(&self, other: &Self, latents: &[f64]) -> Vec<f64> {
+        let slopes = self.basis.latents(&other.basis.values(&latents[1..]));
+        std::iter::once(latents[0]).chain(slopes).collect()
+    }
+
     /// The law about the form in a scenario, where its numbers are unknown.
     pub(super) fn about(&self, scenario: &Value) -> Result<Self, IdentificationError> {
         let mut own = self.clone();
@@ -213,7 +283,7 @@ impl FreeLaw {
     /// The numbers `g` of the rises of a law about a form with the numbers `g0`.
     fn moved_numbers(&self, form: &[f64], latents: &[f64]) -> Vec<f64> {
         let deviations = self.basis.values(&latents[1..]);
-        form.iter().zip(deviations).map(|(centre, r)| centre + self.reference * r).collect()
+        form.iter().zip(deviations).map(|(centre, r)| centre + r).collect()
     }
 
     /// ln K at the pressures, of a law about a form with the numbers `g0`.
@@ -224,8 +294,7 @@ impl FreeLaw {
 
     /// Derivative of ln K along a change of the latents.
     pub(super) fn log_stiffness_change(&self, latents: &[f64], change: &[f64]) -> Vec<f64> {
-        let moved: Vec<f64> =
-            self.basis.values(&change[1..]).into_iter().map(|r| self.reference * r).collect();
+        let moved = self.basis.values(&change[1..]);
         let rises = self.rises.change(&self.moved_numbers(&self.numbers, latents), &moved);
         self.summed(self.level * change[0], &rises)
     }
@@ -234,9 +303,8 @@ impl FreeLaw {
     pub(super) fn latent_change(&self, latents: &[f64], change: &[f64]) -> Vec<f64> {
         let rises: Vec<f64> = change.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let moved = self.rises.inverse_change(&self.moved_numbers(&self.numbers, latents), &rises);
-        let values: Vec<f64> = moved.into_iter().map(|value| value / self.reference).collect();
         let level = change[self.anchor] / self.level;
-        std::iter::once(level).chain(self.basis.latents(&values)).collect()
+        std::iter::once(level).chain(self.basis.latents(&moved)).collect()
     }
 
     /// ln K from its value at the anchor and its rises.
@@ -275,82 +343,31 @@ impl FreeLaw {
         Ok(())
     }
 
-    /// The components: every smoothness with the grid of amplitudes and lengths.
-    pub(super) fn grid(&self) -> Vec<PriorComponent> {
-        let places = |spec: &LogNormalSpec| -> Vec<(f64, f64)> {
-            if spec.log_deviation == 0.0 {
-                return vec![(spec.median, 1.0)];
-            }
-            let place =
-                |z: &f64| (spec.median * (spec.log_deviation * z).exp(), (-0.5 * z * z).exp());
-            GRID.iter().map(place).collect()
-        };
-        let (amplitudes, lengths) = (places(&self.roughness), places(&self.length));
-        let mut grid = Vec::new();
-        for &smoothness in &self.smoothness {
-            for &(roughness, weight) in &amplitudes {
-                grid.extend(lengths.iter().map(|&(length, other)| PriorComponent {
-                    smoothness,
-                    roughness,
-                    length,
-                    weight: weight * other,
-                }));
-            }
-        }
-        grid
+    /// Places in ln p of the slopes.
+    fn places(&self) -> Vec<f64> {
+        places(self.count() - 1, (self.pressures[1] / self.pressures[0]).ln())
     }
 
     /// The prior of the latents, which are parameters from index `first` on.
     pub(super) fn prior(&self, first: usize) -> Result<LatentPrior, IdentificationError> {
-        let step = (self.pressures[1] / self.pressures[0]).ln();
-        let places = places(self.count() - 1, step);
-        let component = |own: PriorComponent| {
-            let slopes = with_nugget(own.smoothness.covariance(&places, own.length));
-            let slopes = self.basis.latent_covariance(&slopes);
-            let scale = (own.roughness / self.reference).powi(2);
+        let places = self.places();
+        let component = |own: &PriorComponent| {
+            let slopes = self.basis.latent_covariance(&own.covariance(&places));
             let entry = |i: usize, j: usize| match (i, j) {
                 (0, 0) => 1.0,
                 (0, _) | (_, 0) => 0.0,
-                _ => 0.5 * scale * (slopes[i - 1][j - 1] + slopes[j - 1][i - 1]),
+                _ => 0.5 * (slopes[i - 1][j - 1] + slopes[j - 1][i - 1]),
             };
             let row = |i: usize| (0..self.count()).map(|j| entry(i, j)).collect();
             (own.weight, (0..self.count()).map(row).collect())
         };
-        let components = self.grid().into_iter().map(component).collect();
+        let components = self.components.iter().map(component).collect();
         Ok(LatentPrior::new(first, components)?)
     }
 }
 
-impl SlopeSmoothness {
-    /// Covariance of slopes of unit variance at places in ln p.
-    fn covariance(self, places: &[f64], length: f64) -> Vec<Vec<f64>> {
-        match self {
-            Self::Differentiable => matern_three_halves(places, length),
-            Self::Continuous => matern_one_half(places, length),
-        }
-    }
-}
-
-/// The mean of the covariances of some kinds of smoothness.
-fn mean_covariance(kinds: &[SlopeSmoothness], places: &[f64], length: f64) -> Vec<Vec<f64>> {
-    let mut mean = vec![vec![0.0; places.len()]; places.len()];
-    for kind in kinds {
-        let own = kind.covariance(places, length);
-        let pairs = mean.iter_mut().flatten().zip(own.iter().flatten());
-        pairs.for_each(|(sum, entry)| *sum += entry / kinds.len() as f64);
-    }
-    mean
-}
-
 fn places(count: usize, step: f64) -> Vec<f64> {
     (0..count).map(|i| step * i as f64).collect()
-}
-
-fn with_nugget(mut covariance: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    for (i, row) in covariance.iter_mut().enumerate() {
-        row[i] += NUGGET;
-    }
-    covariance
 }
 
 #[cfg(test)]
@@ -444,6 +461,32 @@ mod tests {
         }
     }
 
+    /// Latents weighted otherwise describe the same law, and are independent where one component has all of the weight.
+    #[test]
+    fn other_latents_describe_the_same_law() {
+        let law = free((true, false));
+        let mut weights = vec![0.0; law.components.len()];
+        weights[7] = 0.4;
+        let other = law.with_weights(&weights).unwrap();
+        let at: Vec<f64> = (0..law.count()).map(|i| 0.3 * (1.7 * i as f64).sin()).collect();
+        let same = other.latents_of(&law, &at);
+        assert!(same.iter().zip(&at).any(|(a, b)| (a - b).abs() > 1e-2));
+        let of = |law: &FreeLaw, latents: &[f64]| law.log_stiffness(&law.numbers, latents);
+        for (a, b) in of(&law, &at).iter().zip(of(&other, &same)) {
+            assert!((a - b).abs() < 1e-10, "{a} {b}");
+        }
+        for (back, expected) in law.latents_of(&other, &same).iter().zip(&at) {
+            assert!((back - expected).abs() < 1e-6, "{back} {expected}");
+        }
+        let prior = other.prior(0).unwrap();
+        for (i, row) in prior.covariances()[7].iter().enumerate() {
+            for (j, entry) in row.iter().enumerate() {
+                let expected = if i == j { 1.0 } else { 0.0 };
+                assert!((entry - expected).abs() < 1e-6, "{i} {j}: {entry}");
+            }
+        }
+    }
+
     /// Slopes without a derivative change from one pressure to the next by the root of their distance,
     /// those with one by the distance: over 0.011 of the length by 15 % and 2.0 % of their
     /// deviation. Both kinds have the same probability.
@@ -466,7 +509,7 @@ mod tests {
             let draws = prior_draws(&law.parameters(), std::slice::from_ref(&prior), 4000, 3);
             let square = |draw: &Vec<f64>| {
                 let r = law.basis.values(&draw[1..]);
-                (law.reference * (r[21] - r[20])).powi(2)
+                (r[21] - r[20]).powi(2)
             };
             (draws.iter().map(square).sum::<f64>() / 4000.0).sqrt() / 0.5
         };
@@ -496,7 +539,7 @@ mod tests {
         let law = free((false, false));
         let prior = law.prior(0).unwrap();
         let draws = prior_draws(&law.parameters(), std::slice::from_ref(&prior), 20_000, 2);
-        let grid = law.grid();
+        let grid = &law.components;
         let total: f64 = grid.iter().map(|own| own.weight).sum();
         let step = (law.pressures[1] / law.pressures[0]).ln();
         for (i, j) in [(0, 0), (20, 20), (20, 21), (18, 22)] {
@@ -514,7 +557,7 @@ mod tests {
                 .sum();
             let moment = |draw: &Vec<f64>| {
                 let r = law.basis.values(&draw[1..]);
-                law.reference.powi(2) * r[i] * r[j]
+                r[i] * r[j]
             };
             let products: Vec<f64> = draws.iter().map(moment).collect();
             let mean = products.iter().sum::<f64>() / products.len() as f64;

@@ -115,7 +115,7 @@ pub(super) fn posterior_of(
     debug_assert!(noise_factor >= 1.0);
     let found = best.latent_posterior(linearisation, 1.0, &prior, &options)?;
     let shares = found.component_probabilities(&prior);
-    let grid = law.grid();
+    let grid = &law.components;
     let tail = 0.5 * (1.0 - spec.level);
     let of = |value: &dyn Fn(usize) -> f64| {
         let pairs = shares.iter().enumerate().map(|(k, share)| (value(k), *share));
@@ -130,7 +130,7 @@ pub(super) fn posterior_of(
         pressures_pa: law.pressures.clone(),
         roughness: of(&|k| grid[k].roughness),
         length: of(&|k| grid[k].length),
-        smoothness: smoothness_probabilities(&grid, &shares),
+        smoothness: smoothness_probabilities(grid, &shares),
         informed_combinations: found.active,
         information: found.information.clone(),
         resolution_ln_p: resolution(forward, *first, &found)?,

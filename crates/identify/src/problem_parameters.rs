@@ -1,6 +1,6 @@
 //! Parameters as numbers of a scenario, steps of a law, and gains of sensors.
 
-use asperity_inference::{LatentPrior, Parameter, ParameterScale, Prior};
+use asperity_inference::{FitSolution, LatentPrior, Parameter, ParameterScale, Prior};
 use serde_json::Value;
 
 use crate::error::IdentificationError;
@@ -257,6 +257,21 @@ impl ProblemParameters {
     /// The prior of the latents of the free law.
     pub(super) fn latent_prior(&self) -> Result<Option<LatentPrior>, IdentificationError> {
         self.free.as_ref().map(|(first, law)| law.prior(*first)).transpose()
+    }
+
+    /// Changes the latents of the free law to those that are standard normal under the mean covariance of its prior's
+    /// components with these weights, and those of a fit with them.
+    pub(super) fn weigh(
+        &mut self,
+        weights: &[f64],
+        fit: FitSolution,
+    ) -> Result<FitSolution, IdentificationError> {
+        let Some((first, law)) = &mut self.free else { return Ok(fit) };
+        let before = law.clone();
+        *law = before.with_weights(weights)?;
+        let changed = |latents: &[f64]| law.latents_of(&before, latents);
+        let back = |latents: &[f64]| before.latents_of(law, latents);
+        Ok(fit.with_latents(*first..*first + before.count(), &changed, &back))
     }
 
     /// The gains of the sensors of the data of this name.

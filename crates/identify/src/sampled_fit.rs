@@ -24,6 +24,11 @@ const LATENT_TOLERANCE: f64 = 1e-4;
 /// Times at most that a fit is repeated from a draw of lower cost.
 const MOST_REPEATED: usize = 2;
 
+/// Times at most that the components of a free law's prior are weighted, and sum of the changes of their weights that does
+/// not matter.
+const MOST_WEIGHTED: usize = 4;
+const SAME_WEIGHTS: f64 = 0.2;
+
 /// Share of chi-square, of a fit that does not agree with its data, below which a fit with larger standard deviations
 /// shows that it ended short.
 const SHORT: f64 = 0.8;
@@ -159,30 +164,55 @@ fn own_fit(
     let work = &problem.work;
     // Latents have one start, the scenario's law: their prior has one mode.
     let free = forward.parameters.free.is_some();
-    let options = problem.fit_options(if free { 1 } else { problem.spec.starts });
-    let options =
-        if free { FitOptions { tolerance: LATENT_TOLERANCE, ..options } } else { options };
+    let options = if free {
+        FitOptions { tolerance: LATENT_TOLERANCE, gradual: true, ..problem.fit_options(1) }
+    } else {
+        problem.fit_options(problem.spec.starts)
+    };
     let mut given = match fit_with_progress(forward, &options, progress) {
         Err(InferenceError::NoPredictions { .. }) if work.is_stopped() => {
             return Err(IdentificationError::StoppedAtOnce);
         }
         found => found?.into_solution(),
     };
-    if free && far_from_data(&given) && !work.is_stopped() {
-        given.options.tolerance = FitOptions::default().tolerance;
-        let before = given.clone();
-        given = match refit_with_progress(forward, &given, progress) {
-            Err(InferenceError::NoPredictions { .. }) if work.is_stopped() => before,
-            found => found?.into_solution(),
-        };
-        given.options.tolerance = LATENT_TOLERANCE;
-    }
+    given = under_its_own_prior(problem, forward, given, progress)?;
     given = at_held_steps(problem, forward, given, progress)?;
     if work.is_stopped() {
         let laws = forward.laws(&given.point)?;
         return Err(unfinished.stopped(WorkStage::Fit, given, None, Vec::new(), laws));
     }
     Ok(given)
+}
+
+/// The fit of a free law under the prior that the data leave: that of its mean covariance, with the components weighted by
+/// their posterior probabilities.
+///
+/// A law with kinks is drawn to one without by the mean covariance before the measurement, and gains, whose priors are then
+/// the weaker ones, to what that law needs.
+fn under_its_own_prior(
+    problem: &IdentificationProblem,
+    forward: &mut ScenarioModel,
+    mut fit: FitSolution,
+    progress: &ProgressCallback<'_>,
+) -> Result<FitSolution, IdentificationError> {
+    let mut before: Vec<f64> = Vec::new();
+    for _ in 0..MOST_WEIGHTED {
+        let Some(prior) = forward.parameters.latent_prior()? else { break };
+        let weights =
+            Fit::resumed(&*forward, fit.clone(), progress)?.component_probabilities(&prior)?;
+        let changes = before.iter().zip(&weights).map(|(a, b)| (a - b).abs());
+        let is_same = !before.is_empty() && changes.sum::<f64>() < SAME_WEIGHTS;
+        if is_same || problem.work.is_stopped() {
+            break;
+        }
+        let same = forward.parameters.weigh(&weights, fit)?;
+        fit = match refit_with_progress(&*forward, &same, progress) {
+            Err(InferenceError::NoPredictions { .. }) if problem.work.is_stopped() => same,
+            found => found?.into_solution(),
+        };
+        before = weights;
+    }
+    Ok(fit)
 }
 
 /// A fit that does not agree with its data goes on from a fit with larger standard deviations: where residuals are long,
@@ -236,11 +266,6 @@ fn from_larger_deviations(
     let Ok(again) = refit_with_progress(&*forward, &start, progress) else { return Ok(None) };
     let again = at_held_steps(problem, forward, again.into_solution(), progress)?;
     Ok((again.chi_square <= SHORT * own.chi_square).then_some(again))
-}
-
-/// True for a fit whose cost is so large that a small part of it is no small part of the spread of chi-square.
-fn far_from_data(fit: &FitSolution) -> bool {
-    fit.chi_square > 2.0 * fit.residuals.len() as f64
 }
 
 /// A fit at the steps and modes that its end needs, which may be finer than those of the search.
@@ -309,10 +334,11 @@ mod tests {
     use super::*;
     use crate::built_model::BuiltModel;
 
-    /// Three receptances of a random rig, whose search for a free law ends at a chi-square of tens of millions, goes on
-    /// to its minimum: with 84 numbers and some ten that they inform, chi-square is about 74 +- 12.
+    /// Three receptances of a random rig, whose search for a free law ends at a chi-square of tens of millions with the
+    /// standard deviations as given, and from there goes on to its minimum; it gets there with gradual ones by itself. With
+    /// 84 numbers and some ten that they inform, chi-square is about 74 +- 12.
     #[test]
-    fn a_search_that_ends_far_from_its_data_goes_on() {
+    fn a_search_that_starts_far_from_its_data_gets_there() {
         let file = concat!(
             env!("CARGO_MANIFEST_DIR"),
             "/../../fixtures/problems/receptances_of_a_free_law.json"
@@ -321,10 +347,14 @@ mod tests {
         let problem = problem.with_pressures().unwrap();
         let BuiltModel { mut forward, about, .. } = problem.model().unwrap();
         let law = problem.law().unwrap();
+        let near = 20.0..110.0;
+        let plain = FitOptions { tolerance: LATENT_TOLERANCE, ..problem.fit_options(1) };
+        let short = fit_with_progress(&forward, &plain, &|_| ()).unwrap().into_solution();
+        assert!(short.chi_square > 1e4, "the search ended at {}", short.chi_square);
+        let found = continued(&problem, (&mut forward, &about), short, &|_| ()).unwrap();
+        assert!(near.contains(&found.chi_square), "{}", found.chi_square);
         let unfinished = Unfinished::begin(&problem, &forward, &law, Instant::now());
         let own = own_fit(&problem, &mut forward, &unfinished, &|_| ()).unwrap();
-        assert!(own.chi_square > 1e4, "the search ended at {}", own.chi_square);
-        let found = continued(&problem, (&mut forward, &about), own, &|_| ()).unwrap();
-        assert!((20.0..110.0).contains(&found.chi_square), "{}", found.chi_square);
+        assert!(near.contains(&own.chi_square), "{}", own.chi_square);
     }
 }

@@ -1,18 +1,19 @@
 //! Bounded nonlinear least squares from many starts.
 
 use std::fmt;
-use std::ops::Deref;
+use std::ops::{Deref, Range};
 
 use faer::Mat;
 
 use crate::error::{InferenceError, check_size};
 use crate::fit_options::FitOptions;
 use crate::fit_problem::FitProblem;
+use crate::linear_algebra::dot;
 use crate::model::{ForwardModel, Predictions};
 use crate::parameter::Parameter;
 use crate::progress::{NO_PROGRESS, ProgressCallback, Stage};
 use crate::random::latin_hypercube;
-use crate::search::{FitTermination, Known, Search, run};
+use crate::search::{FitTermination, Known, Search, run, run_gradually};
 
 /// The search from one start.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,6 +85,35 @@ pub struct FitSolution {
 }
 
 impl FitSolution {
+    /// The solution of a model whose `latents` are `changed` of those of this one, a linear map; `back` is its inverse.
+    #[must_use]
+    pub fn with_latents(
+        mut self,
+        latents: Range<usize>,
+        changed: &dyn Fn(&[f64]) -> Vec<f64>,
+        back: &dyn Fn(&[f64]) -> Vec<f64>,
+    ) -> Self {
+        let points = std::iter::once(&mut self.point)
+            .chain(self.starts.iter_mut().flat_map(|start| [&mut start.start, &mut start.end]))
+            .chain(self.distinct_optima.iter_mut().map(|optimum| &mut optimum.point));
+        for point in points {
+            let own = changed(&point[latents.clone()]);
+            point[latents.clone()].copy_from_slice(&own);
+        }
+        let column = |k: usize| {
+            let mut unit = vec![0.0; latents.len()];
+            unit[k] = 1.0;
+            back(&unit)
+        };
+        let columns: Vec<Vec<f64>> = (0..latents.len()).map(column).collect();
+        for row in &mut self.slopes {
+            let before = row[latents.clone()].to_vec();
+            let own = columns.iter().map(|column| dot(&before, column));
+            row[latents.clone()].iter_mut().zip(own).for_each(|(slope, own)| *slope = own);
+        }
+        self
+    }
+
     /// The solution with a further start at these values, which [`refit_with_progress`] searches from.
     #[must_use]
     pub fn with_start(mut self, point: Vec<f64>) -> Self {
@@ -154,6 +184,16 @@ impl<'m> Fit<'m> {
         let determined =
             |values: Vec<f64>| values.iter().map(|s| s * s / (1.0 + s * s)).sum::<f64>();
         others + scaled.singular_values().map_or(latents.len() as f64, determined)
+    }
+
+    /// Rows of the standardised Jacobian with the robust weights, as the search had it last.
+    pub(crate) fn weighted_rows(&self) -> Vec<Vec<f64>> {
+        let rows = self.slopes.iter().zip(&self.weights).zip(self.problem.observations);
+        rows.map(|((row, weight), observation)| {
+            let scale = weight.sqrt() / observation.standard_deviation;
+            row.iter().map(|slope| slope * scale).collect()
+        })
+        .collect()
     }
 
     /// The part of the priors' chi-square that is of latents.
@@ -253,7 +293,13 @@ pub fn fit_with_progress<'m>(
     let problem = FitProblem::new(model, options.loss, options.missing_residual)?;
     let starts = starts(&problem, options);
     let free = vec![false; problem.parameters.len()];
-    let searches = starts.iter().map(|x| Search::new(x.clone(), free.clone())).collect();
+    let mut searches: Vec<Search> =
+        starts.iter().map(|x| Search::new(x.clone(), free.clone())).collect();
+    if options.gradual {
+        run_gradually(&problem, &mut searches, options, Stage::Fit, progress);
+    } else {
+        run(&problem, &mut searches, options, Stage::Fit, progress);
+    }
     let starts = starts.iter().map(|x| problem.values_at(x)).enumerate().collect();
     from_searches(problem, searches, starts, options, progress)
 }
@@ -298,19 +344,18 @@ pub fn refit_with_progress<'m>(
         });
         starts.push((search, outcome.start.clone()));
     }
+    run(&problem, &mut searches, &options, Stage::Fit, progress);
     from_searches(problem, searches, starts, &options, progress)
 }
 
-/// Runs the searches; `starts` are the index of the search of each start, and its values.
+/// The fit of finished searches; `starts` are the index of the search of each start, and its values.
 fn from_searches<'m>(
     problem: FitProblem<'m>,
-    mut searches: Vec<Search>,
+    searches: Vec<Search>,
     starts: Vec<(usize, Vec<f64>)>,
     options: &FitOptions,
     progress: &'m ProgressCallback<'m>,
 ) -> Result<Fit<'m>, InferenceError> {
-    run(&problem, &mut searches, options, Stage::Fit, progress);
-
     let outcome = |(search, start): (usize, Vec<f64>)| StartOutcome {
         start,
         end: problem.values_at(&searches[search].x),

@@ -26,6 +26,10 @@ pub struct FitOptions {
     /// The residual (in standard deviations) that replaces a missing prediction, with zero
     /// derivative; it favours points with predictions.
     pub missing_residual: f64,
+    /// True to search with standard deviations that fall from the size of the residuals at the start to
+    /// those as given: a search far from its data follows one valley of the cost with precise data, and
+    /// leaves it with imprecise ones.
+    pub gradual: bool,
 }
 
 impl Default for FitOptions {
@@ -38,6 +42,7 @@ impl Default for FitOptions {
             tolerance: 1e-10,
             difference_step: 1e-3,
             missing_residual: 5.0,
+            gradual: false,
         }
     }
 }

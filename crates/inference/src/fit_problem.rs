@@ -24,6 +24,8 @@ pub(crate) struct FitProblem<'a> {
     pub(crate) noise_variance: f64,
     /// True for the observations that count; empty if all do.
     counted: Vec<bool>,
+    /// Working coordinates that parameters without a prior are near; empty where they have none.
+    near: Vec<f64>,
     /// Bounds in working coordinates.
     pub(crate) lower: Vec<f64>,
     pub(crate) upper: Vec<f64>,
@@ -65,6 +67,7 @@ impl<'a> FitProblem<'a> {
             missing_residual,
             noise_variance,
             counted: Vec::new(),
+            near: Vec::new(),
             lower,
             upper,
         })
@@ -86,6 +89,12 @@ impl<'a> FitProblem<'a> {
     /// The problem with the observations' variances multiplied by the square of `factor`.
     pub(crate) fn with_noise_factor(&self, factor: f64) -> Self {
         Self { noise_variance: factor.powi(2), ..self.clone() }
+    }
+
+    /// The problem with priors about working coordinates for parameters without one: their standard deviations are
+    /// the parameters' lengths of change.
+    pub(crate) fn held_near(&self, x: &[f64]) -> Self {
+        Self { near: x.to_vec(), ..self.clone() }
     }
 
     pub(crate) fn model(&self) -> &'a dyn ForwardModel {
@@ -198,8 +207,12 @@ impl<'a> FitProblem<'a> {
     /// Index of the parameter, standardised residual and its derivative, for every prior.
     pub(crate) fn prior_rows(&self, x: &[f64]) -> impl Iterator<Item = (usize, f64, f64)> {
         self.parameters.iter().zip(x).enumerate().filter_map(|(j, (parameter, x))| {
-            let prior = parameter.prior()?;
-            Some((j, (x - prior.mean) / prior.standard_deviation, 1.0 / prior.standard_deviation))
+            let (mean, deviation) = match (parameter.prior(), self.near.get(j)) {
+                (Some(prior), _) => (prior.mean, prior.standard_deviation),
+                (None, Some(&near)) => (near, parameter.length(near)),
+                (None, None) => return None,
+            };
+            Some((j, (x - mean) / deviation, 1.0 / deviation))
         })
     }
 

@@ -1,5 +1,6 @@
 //! Levenberg-Marquardt searches within bounds, several side by side.
 
+mod gradual;
 mod step;
 
 use crate::fit_options::FitOptions;
@@ -8,6 +9,7 @@ use crate::linear_algebra::dot;
 use crate::model::Predictions;
 use crate::progress::{Progress, ProgressCallback, Stage};
 use crate::stencil::{Order, Stencil, StencilStep};
+pub(crate) use gradual::run_gradually;
 use step::LinearisedCost;
 
 /// The reason for the end of a search.
@@ -163,13 +165,14 @@ impl Search {
         Self { near: true, known: Some(known), ..Self::new(x, held) }
     }
 
-    /// A search from a known point of another problem of the same model.
+    /// A search from a known point of another problem of the same model; its derivatives are computed where they are not known.
     pub(crate) fn at(problem: &FitProblem<'_>, options: &FitOptions, known: Known) -> Self {
         let Known { x, predictions, slopes } = known;
         let residuals = problem.residuals(&predictions);
         let mut search =
             Self { near: true, slopes, updates: 1, ..Self::new(x.clone(), vec![false; x.len()]) };
-        search.move_to(problem, options, (x, predictions, residuals), true);
+        let usable = !search.slopes.is_empty();
+        search.move_to(problem, options, (x, predictions, residuals), usable);
         search
     }
 
@@ -499,10 +502,8 @@ impl Search {
                     self.termination = Some(termination);
                     return;
                 }
-                let usable = ending.is_none()
-                    && !is_corrected
-                    && ratio >= UPDATED_RATIO
-                    && self.updates < MOST_UPDATES;
+                let least = if is_corrected { GOOD_RATIO } else { UPDATED_RATIO };
+                let usable = ending.is_none() && ratio >= least && self.updates < MOST_UPDATES;
                 if usable {
                     let (before, old) = (self.x.clone(), self.predictions.clone());
                     self.update(problem, options, (&before, &old), (&x, &predictions));

@@ -2,7 +2,7 @@
 
 use asperity_inference::{
     Agreement, FitOptions, FunctionModel, LatentPosterior, LatentPrior, Observation, Parameter,
-    PosteriorOptions, fit, matern_one_half, matern_three_halves, prior_draws,
+    PosteriorOptions, fit, matern_one_half, matern_three_halves, prior_draws, refit_with_progress,
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -136,6 +136,52 @@ fn a_linear_model_has_its_mixture_of_normal_posteriors() {
     assert!(diagnostics.r_hat.iter().all(|&r| r < 1.01), "{diagnostics:?}");
     assert_eq!(diagnostics.r_hat.len(), LATENTS + 1);
     assert_is_closed_form(&found, NOISE, 1500.0);
+}
+
+/// The linearised model of a linear one is exact, and so are the probabilities of the components at its best fit.
+#[test]
+fn a_linear_fit_knows_the_probabilities_of_the_components() {
+    let model = model(NOISE);
+    let found = fit(&model, &FitOptions::default()).unwrap();
+    let shown = found.component_probabilities(&prior(1)).unwrap();
+    for (shown, expected) in shown.iter().zip(closed_form(NOISE).0) {
+        assert!((shown - expected).abs() < 1e-6, "{shown} {expected}");
+    }
+}
+
+/// A fit goes on with other latents, here those of half the size, from the same function and with its derivatives: to the
+/// optimum under the prior that belongs to them.
+#[test]
+fn a_fit_goes_on_with_other_latents() {
+    let before = model(NOISE);
+    let other = FunctionModel {
+        parameters: before.parameters.clone(),
+        observations: before.observations.clone(),
+        function: |x: &[f64]| {
+            let whole: Vec<f64> =
+                x.iter().enumerate().map(|(j, z)| if j == 0 { *z } else { 2.0 * z }).collect();
+            (before.function)(&whole)
+        },
+    };
+    let scaled = |factor: f64| move |z: &[f64]| z.iter().map(|z| factor * z).collect::<Vec<_>>();
+    let options = FitOptions { gradual: true, ..FitOptions::default() };
+    let found = fit(&before, &options).unwrap().into_solution();
+    let plain = fit(&before, &FitOptions::default()).unwrap();
+    assert!((found.cost - plain.cost).abs() < 1e-8, "{} {}", found.cost, plain.cost);
+    let latents = 1..LATENTS + 1;
+    let same = found.clone().with_latents(latents, &scaled(0.5), &scaled(2.0));
+    let predictions: Vec<Option<f64>> =
+        (other.function)(&same.point).into_iter().map(Some).collect();
+    for (a, b) in predictions.iter().zip(&found.predictions) {
+        assert!((a.unwrap() - b.unwrap()).abs() < 1e-12);
+    }
+    let again = refit_with_progress(&other, &same, &|_| ()).unwrap();
+    let fresh = fit(&other, &FitOptions::default()).unwrap();
+    assert!(again.cost < found.cost - 1e-3, "{} {}", again.cost, found.cost);
+    assert!((again.cost - fresh.cost).abs() < 1e-8, "{} {}", again.cost, fresh.cost);
+    for (a, b) in again.point.iter().zip(&fresh.point) {
+        assert!((a - b).abs() < 1e-4, "{a} {b}");
+    }
 }
 
 /// Data without information leave the mixture as it was.
