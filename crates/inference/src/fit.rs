@@ -301,7 +301,7 @@ pub fn fit_with_progress<'m>(
         run(&problem, &mut searches, options, Stage::Fit, progress);
     }
     let starts = starts.iter().map(|x| problem.values_at(x)).enumerate().collect();
-    from_searches(problem, searches, starts, options, progress)
+    from_searches(problem, &searches, starts, options, progress)
 }
 
 /// Fits a changed model, of the same parameters and as many observations, from the ends of an
@@ -345,13 +345,13 @@ pub fn refit_with_progress<'m>(
         starts.push((search, outcome.start.clone()));
     }
     run(&problem, &mut searches, &options, Stage::Fit, progress);
-    from_searches(problem, searches, starts, &options, progress)
+    from_searches(problem, &searches, starts, &options, progress)
 }
 
 /// The fit of finished searches; `starts` are the index of the search of each start, and its values.
 fn from_searches<'m>(
     problem: FitProblem<'m>,
-    searches: Vec<Search>,
+    searches: &[Search],
     starts: Vec<(usize, Vec<f64>)>,
     options: &FitOptions,
     progress: &'m ProgressCallback<'m>,
