@@ -110,7 +110,9 @@ impl PriorComponent {
         };
         for (i, row) in covariance.iter_mut().enumerate() {
             row[i] += NUGGET;
-            row.iter_mut().for_each(|entry| *entry *= self.roughness.powi(2));
+            for entry in row {
+                *entry *= self.roughness.powi(2);
+            }
         }
         covariance
     }
