@@ -49,15 +49,15 @@ impl Identification {
         let found = &self.posterior.diagnostics;
         let share = found.effective_draws / self.posterior.draws.len().max(1) as f64;
         let mixed = found.r_hat.iter().all(|r| *r < MOST_R_HAT);
-        let is_whole = found.truncated.is_empty() && !self.has_heavy_weights();
+        let is_whole = found.truncated.is_empty() && !self.has_heavy_weights(RELIABLE_SHAPE);
         share >= MIN_DRAWS && mixed && is_whole
     }
 
-    /// True if weights were cut whose tail is too heavy for it.
-    pub(crate) fn has_heavy_weights(&self) -> bool {
+    /// True if weights were cut whose tail has a Pareto shape above this.
+    pub(crate) fn has_heavy_weights(&self, shape: f64) -> bool {
         let found = &self.posterior.diagnostics;
         let is_cut = found.evaluated_draws > self.posterior.draws.len();
-        is_cut && found.pareto_shape.is_some_and(|shape| shape > RELIABLE_SHAPE)
+        is_cut && found.pareto_shape.is_some_and(|found| found > shape)
     }
 
     /// Evidence in the data for a stiffness that depends on pressure.
@@ -115,7 +115,7 @@ impl Identification {
             ),
         };
         let heavy = match found.pareto_shape {
-            Some(shape) if self.has_heavy_weights() => {
+            Some(shape) if self.has_heavy_weights(RELIABLE_SHAPE) => {
                 format!(", their weights have a heavy tail (Pareto shape {shape:.2})")
             }
             _ => String::new(),

@@ -108,9 +108,11 @@ const CARRIED: f64 = 3.0;
 const DERIVATIVES_DIFFER: f64 = 0.1;
 const DERIVATIVES_WRONG: f64 = 1.0;
 
-/// Fewest effective draws, and largest R-hat, of chains that have not quite converged.
+/// Fewest effective draws, largest R-hat, and largest Pareto shape of weights that were cut, of a posterior that has not
+/// quite converged: beyond it the weights have no mean.
 const FEWEST_DRAWS: f64 = 100.0;
 const LARGEST_R_HAT: f64 = 1.05;
+const LARGEST_SHAPE: f64 = 1.0;
 
 /// Least share of a number of the law in an undetermined combination.
 const LEAST_SHARE: f64 = 0.1;
@@ -225,7 +227,7 @@ impl Identification {
     /// | distance from the mean of a prior, in its standard deviations | 3 | 5 |
     /// | distance beyond a bound of the optimum without it | 1 | 3 |
     /// | derivatives off differences, over the largest | 0.1 | 1 |
-    /// | sampler | R-hat above 1.02, less than a fifth of the draws effective | R-hat above 1.05, fewer than 100 effective, weights cut, draws that leave out a part of a profile |
+    /// | sampler | R-hat above 1.02, less than a fifth of the draws effective, weights cut with a Pareto shape above 0.7 | R-hat above 1.05, fewer than 100 effective, weights cut with a Pareto shape above 1, draws that leave out a part of a profile |
     /// | best value, or another optimum as good, outside its interval: one with two ends, or the band where the data inform it | by half of its width at most, with draws that converged and data that are explained | any other |
     /// | starts | one alone reached the lowest cost | and the law does not agree |
     /// | rigid support that is not stated | a half-space of steel in its place moves the law by more than five half widths of its band | |
@@ -377,7 +379,7 @@ impl Identification {
         let fair = found.effective_draws >= FEWEST_DRAWS
             && mixed
             && found.truncated.is_empty()
-            && !self.has_heavy_weights();
+            && !self.has_heavy_weights(LARGEST_SHAPE);
         let usability = if fair { Usability::WithCare } else { Usability::No };
         let words = self.about_sampler();
         let numbers = [

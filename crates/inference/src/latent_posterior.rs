@@ -56,7 +56,7 @@ impl Fit<'_> {
     /// The linearised model at the optimum gives the evidence of each component of the prior, the pooled
     /// covariance of the latents, and the combinations of latents that the data inform. The model is then
     /// linearised twice more, at the optimum under that pooled prior, which may be far from that under
-    /// the standard normal one, unless the fit is at it already. The combinations found there are
+    /// the standard normal one. The combinations found there are
     /// sampled with all other parameters on a response surface, under the exact marginal density of the
     /// mixture; the component and the uninformed combinations of each draw follow from their exact
     /// conditional distribution, by random numbers that depend on the seed and the draw's index alone.
@@ -86,12 +86,7 @@ impl Fit<'_> {
             let parts = LinearParts::new(&at, noise_factor, prior)?;
             let model = SubspaceModel::new(self.problem.model(), &parts.subspace);
             let problem = self.subspace_problem(&model, noise_factor)?;
-            let whitening = whitening(&at, &model, &problem, noise_factor)?;
-            let apart = whitening.to_white(&optimum_of(&at.0, &model, &problem));
-            if apart.iter().all(|z| z.abs() < SAME) {
-                break;
-            }
-            let values = problem.values_at(&whitening.centre);
+            let values = problem.values_at(&whitening(&at, &model, &problem, noise_factor)?.centre);
             let (others, informed) = values.split_at(model.others());
             let point = model.point(others, &parts.subspace.latents(informed, &[]));
             // Without predictions there, or a peak, those before are near enough for draws with weights.
@@ -146,9 +141,6 @@ impl Fit<'_> {
 
 /// Linearisations after that at the optimum of the fit, whose prior is not the mixture's.
 const RELINEARISATIONS: usize = 2;
-
-/// Distance of two optima along any direction, in standard deviations, within which one linearisation is that of both.
-const SAME: f64 = 0.1;
 
 /// The linearised model at a point, the probabilities of the prior's components in it, and the combinations
 /// of latents that the data inform.
@@ -278,14 +270,6 @@ impl LinearModel {
     }
 }
 
-/// The optimum of a fit in the coordinates of the subspace.
-fn optimum_of(fit: &Fit<'_>, model: &SubspaceModel<'_>, problem: &FitProblem<'_>) -> Vec<f64> {
-    let (others, latents) = model.split(&fit.optimum());
-    let mut x = [others, model.subspace.informed(&latents)].concat();
-    problem.clamp(&mut x);
-    x
-}
-
 /// The normal approximation in the subspace, about its own optimum under the pooled prior.
 fn whitening(
     (fit, linearisation): &(Fit<'_>, Linearisation),
@@ -301,7 +285,9 @@ fn whitening(
     let slopes = rows.iter().zip(problem.observations).map(|(row, observation)| {
         row.iter().map(|entry| entry * observation.standard_deviation).collect()
     });
-    let x = optimum_of(fit, model, problem);
+    let (others, latents) = model.split(&fit.optimum());
+    let mut x = [others, model.subspace.informed(&latents)].concat();
+    problem.clamp(&mut x);
     let known =
         Known { x: x.clone(), predictions: fit.predictions.clone(), slopes: slopes.collect() };
     let mut searches = vec![Search::near(x, vec![false; problem.parameters.len()], known)];

@@ -252,6 +252,14 @@ fn few_draws_and_heavy_ones_are_named() {
     let words = found.conclusions().join(" ");
     assert!(words.contains("a heavy tail (Pareto shape 0.90)"), "{words}");
     assert!(words.contains("its bands are estimates"), "{words}");
+    // The weights have a mean below a shape of one, and none above.
+    let sampler = |found: &Identification| {
+        let reasons = found.judgement().reasons;
+        reasons.iter().find(|one| one.kind == ReasonKind::Sampler).unwrap().usability
+    };
+    assert_eq!(sampler(&found), Usability::WithCare);
+    found.posterior.diagnostics.pareto_shape = Some(1.1);
+    assert_eq!(sampler(&found), Usability::No);
     found.posterior.diagnostics.effective_draws = 5.0;
     let words = found.conclusions().join(" ");
     assert!(words.contains("5 of 400 draws are effective"), "{words}");
