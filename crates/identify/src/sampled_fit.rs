@@ -33,7 +33,7 @@ const SAME_WEIGHTS: f64 = 0.2;
 /// shows that it ended short.
 const SHORT: f64 = 0.8;
 
-/// Times at most that a search goes on so.
+/// Times at most that a search goes on so; a gradual one, of a free law, began so and goes on once.
 const MOST_CONTINUED: usize = 4;
 
 /// A fit and what follows from it alone.
@@ -224,7 +224,9 @@ fn continued(
     mut own: FitSolution,
     progress: &ProgressCallback<'_>,
 ) -> Result<FitSolution, IdentificationError> {
-    for _ in 0..MOST_CONTINUED {
+    let is_gradual = forward.parameters.free.is_some();
+    let (times, tried) = if is_gradual { (1, 1) } else { (MOST_CONTINUED, 2) };
+    for _ in 0..times {
         let goodness = Fit::resumed(&*forward, own.clone(), progress)?.goodness();
         if goodness.agreement() != Agreement::None || problem.work.is_stopped() {
             break;
@@ -234,7 +236,8 @@ fn continued(
             noise_factor(NoiseSpec::AtLeastGiven, &goodness, (&*forward, about), &own.residuals);
         let mut further = None;
         let factors = [goodness.noise_factor, correlated];
-        for factor in factors.into_iter().take(if correlated > factors[0] { 2 } else { 1 }) {
+        let different = if correlated > factors[0] { tried } else { 1 };
+        for factor in factors.into_iter().take(different) {
             further = from_larger_deviations(problem, forward, (&own, factor), progress)?;
             if further.is_some() {
                 break;

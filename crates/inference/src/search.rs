@@ -48,6 +48,9 @@ const GOOD_RATIO: f64 = 0.75;
 
 /// Least ratio of actual to expected reduction after which updated derivatives are used further.
 const UPDATED_RATIO: f64 = 0.25;
+/// Fewest parameters whose derivatives are updated after a corrected step too, if it was good: in fewer, new ones cost less
+/// than a step along updated ones that fails.
+const MANY: usize = 20;
 /// Most updates before the derivatives are computed again.
 const MOST_UPDATES: usize = 12;
 /// Expected reduction of the cost of a rejected step from which the end of a search is no minimum: that of a
@@ -502,7 +505,13 @@ impl Search {
                     self.termination = Some(termination);
                     return;
                 }
-                let least = if is_corrected { GOOD_RATIO } else { UPDATED_RATIO };
+                let least = if !is_corrected {
+                    UPDATED_RATIO
+                } else if self.x.len() >= MANY {
+                    GOOD_RATIO
+                } else {
+                    f64::INFINITY
+                };
                 let usable = ending.is_none() && ratio >= least && self.updates < MOST_UPDATES;
                 if usable {
                     let (before, old) = (self.x.clone(), self.predictions.clone());

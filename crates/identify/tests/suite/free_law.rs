@@ -3,8 +3,8 @@
 use crate::twin::{Noise, Sensors, Truth, is_long};
 use asperity_identify::problem::SlopeSmoothness;
 use asperity_identify::{
-    Identification, IdentificationError, LawBand, PressureDependence, RESOLVED, StiffnessOrigin,
-    identify,
+    Identification, IdentificationError, LawBand, PressureDependence, RESOLVED, ReasonKind,
+    StiffnessOrigin, Usability, identify,
 };
 use asperity_inference::Agreement;
 use asperity_law::{ContactLaw, Exponential, ModifiedPower, Tabulated};

@@ -12,6 +12,8 @@ const FALL: f64 = 2.0;
 const LAST: f64 = 1.5;
 /// Reduction of the cost, over the cost, at which a stage ends.
 const STAGE_TOLERANCE: f64 = 1e-2;
+/// Most steps of a stage: what it leaves, the next one finds.
+const STAGE_STEPS: usize = 30;
 
 /// Runs searches one after the other, each in stages: with the standard deviations times the root mean square residual at
 /// the start, with smaller and smaller ones, and at last as they are given.
@@ -44,7 +46,11 @@ fn through_stages(
     stage: Stage,
     progress: &ProgressCallback<'_>,
 ) -> Search {
-    let loose = FitOptions { tolerance: STAGE_TOLERANCE.max(options.tolerance), ..*options };
+    let loose = FitOptions {
+        tolerance: STAGE_TOLERANCE.max(options.tolerance),
+        max_iterations: STAGE_STEPS.min(options.max_iterations),
+        ..*options
+    };
     let (mut iterations, mut evaluations) = (0, 1);
     let mut factor = residual(problem, &known);
     while factor > LAST {
