@@ -339,7 +339,8 @@ impl Search {
     fn linearise(&mut self, problem: &FitProblem<'_>, options: &FitOptions) {
         self.rejected = 0.0;
         let parameters = self.x.len();
-        let linear = weighted(problem, &self.x, &self.residuals, &self.slopes, &self.held);
+        let linear =
+            LinearisedCost::new(problem, &self.x, &self.residuals, &self.slopes, &self.held);
         let norms = linear.column_norms(parameters);
         for (j, norm) in norms.iter().enumerate() {
             let least = 1e-6 / problem.parameters[j].length(self.x[j]);
@@ -531,35 +532,6 @@ impl Search {
             }
         }
     }
-}
-
-/// Residual rows and Jacobian with the loss's weights (iteratively reweighted least squares), the
-/// priors' rows below; held parameters have zero columns.
-fn weighted(
-    problem: &FitProblem<'_>,
-    x: &[f64],
-    residuals: &[f64],
-    rows: &[Vec<f64>],
-    held: &[bool],
-) -> LinearisedCost {
-    let mut linear = LinearisedCost { jacobian: Vec::new(), residuals: Vec::new() };
-    let observations = problem.observations.iter().enumerate();
-    for ((row, &residual), (i, observation)) in rows.iter().zip(residuals).zip(observations) {
-        if !problem.counts(i) {
-            continue;
-        }
-        let root = (problem.loss.weight(residual) / problem.noise_variance).sqrt();
-        let scale = root / observation.standard_deviation;
-        linear.jacobian.push(row.iter().map(|entry| entry * scale).collect());
-        linear.residuals.push(root * residual);
-    }
-    for (j, residual, slope) in problem.prior_rows(x) {
-        let mut row = vec![0.0; x.len()];
-        row[j] = if held[j] { 0.0 } else { slope };
-        linear.jacobian.push(row);
-        linear.residuals.push(residual);
-    }
-    linear
 }
 
 /// Runs searches side by side to their ends; each call of the model has the points of all of them.

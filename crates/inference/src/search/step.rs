@@ -3,6 +3,7 @@
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 
+use crate::fit_problem::FitProblem;
 use crate::linear_algebra::dot;
 
 /// Longest correction over the step (Transtrum and Sethna's bound of the acceleration, 0.75, halved).
@@ -16,6 +17,35 @@ pub(crate) struct LinearisedCost {
 }
 
 impl LinearisedCost {
+    /// Residual rows and Jacobian with the loss's weights (iteratively reweighted least squares), the
+    /// priors' rows below; held parameters have zero columns.
+    pub(crate) fn new(
+        problem: &FitProblem<'_>,
+        x: &[f64],
+        residuals: &[f64],
+        rows: &[Vec<f64>],
+        held: &[bool],
+    ) -> Self {
+        let mut linear = Self { jacobian: Vec::new(), residuals: Vec::new() };
+        let observations = problem.observations.iter().enumerate();
+        for ((row, &residual), (i, observation)) in rows.iter().zip(residuals).zip(observations) {
+            if !problem.counts(i) {
+                continue;
+            }
+            let root = (problem.loss.weight(residual) / problem.noise_variance).sqrt();
+            let scale = root / observation.standard_deviation;
+            linear.jacobian.push(row.iter().map(|entry| entry * scale).collect());
+            linear.residuals.push(root * residual);
+        }
+        for (j, residual, slope) in problem.prior_rows(x) {
+            let mut row = vec![0.0; x.len()];
+            row[j] = if held[j] { 0.0 } else { slope };
+            linear.jacobian.push(row);
+            linear.residuals.push(residual);
+        }
+        linear
+    }
+
     /// A step with its correction `c` for the curvature `k` of the predictions along it, the minimum of
     /// `|r + J d + k + J c|^2 + damping |D c|^2`; `None` where the correction is not small against the step.
     pub(crate) fn corrected(
