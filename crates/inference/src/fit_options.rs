@@ -26,9 +26,10 @@ pub struct FitOptions {
     /// The residual (in standard deviations) that replaces a missing prediction, with zero
     /// derivative; it favours points with predictions.
     pub missing_residual: f64,
-    /// True to search with standard deviations that fall from the size of the residuals at the start to
-    /// those as given: a search far from its data follows one valley of the cost with precise data, and
-    /// leaves it with imprecise ones.
+    /// True to search with standard deviations that fall by halves, from the root mean square residual at the start times
+    /// those as given, down to them: far from precise data a search with the last alone follows one narrow bent valley
+    /// of the cost. The stages before the last are searched start by start; a fit that goes on from an earlier one has
+    /// none of them.
     pub gradual: bool,
 }
 

@@ -100,7 +100,7 @@ struct Tried {
 ///
 /// Damping follows Nielsen's rule, scaled by the largest column norms so far (as in MINPACK). After
 /// a step that reduced the cost as expected, the derivatives are those before it with Broyden's
-/// update; after any other they are computed again, and before the end of a search from a start
+/// update (after a corrected one from twenty parameters on); after any other they are computed again, and before the end of a search from a start
 /// too. A search from a known point nearby also ends on updated derivatives. A step that fell short of
 /// the expected reduction is corrected for the curvature that it has shown.
 /// Sources: J. J. Moré, Lecture Notes in Mathematics 630 (1978); H. B. Nielsen, IMM-REP-1999-05;
