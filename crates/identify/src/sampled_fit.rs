@@ -198,8 +198,9 @@ fn under_its_own_prior(
     let mut before: Vec<f64> = Vec::new();
     for _ in 0..MOST_WEIGHTED {
         let Some(prior) = forward.parameters.latent_prior()? else { break };
-        let weights =
-            Fit::resumed(&*forward, fit.clone(), progress)?.component_probabilities(&prior)?;
+        let found = Fit::resumed(&*forward, fit.clone(), progress)?;
+        // Far from the data the linearised model may be singular: the fit stays as it is.
+        let Ok(weights) = found.component_probabilities(&prior) else { break };
         let changes = before.iter().zip(&weights).map(|(a, b)| (a - b).abs());
         let is_same = !before.is_empty() && changes.sum::<f64>() < SAME_WEIGHTS;
         if is_same || problem.work.is_stopped() {

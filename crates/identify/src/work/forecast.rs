@@ -246,7 +246,7 @@ mod tests {
     }
 
     /// Evaluations that were counted in fast identifications of random rigs: 171 to 1602 of laws with 5 to 10
-    /// parameters, 463 to 1639 of free laws.
+    /// parameters, 463 to 1639 of free laws that reach their data without friction.
     #[test]
     fn searches_are_of_the_size_of_those_counted() {
         let search = |sizes| Forecast::new(sizes, &PosteriorOptions::default()).search;
