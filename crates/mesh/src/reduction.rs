@@ -1,6 +1,7 @@
 //! Reduction of a sparse body to component modes.
 
 mod dissection;
+mod elimination_tree;
 mod factor;
 mod lanczos;
 mod projection;

@@ -18,7 +18,7 @@ use asperity_mesh::component_modes::flexibility_factor;
 use asperity_mesh::{ComponentModes, PortPair};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::solvers::Solve;
-use faer::{Accum, Mat, Par, Side};
+use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
 
 use crate::{PreloadedContact, StructureError};
 
@@ -160,6 +160,26 @@ struct EnergyProblem<'a> {
     first_pressure: f64,
 }
 
+/// The lower triangle of `columns^T columns`, which a factorisation reads, into `square`: the block below the diagonal beside
+/// the two blocks on it.
+fn squared(columns: MatRef<'_, f64>, square: MatMut<'_, f64>) {
+    let half = columns.ncols() / 2;
+    let (left, right) = columns.split_at_col(half);
+    let (upper_left, _, below, lower_right) = square.split_at_mut(half, half);
+    let product = |to: MatMut<'_, f64>, shape, a: MatRef<'_, f64>, b: MatRef<'_, f64>| {
+        let whole = BlockStructure::Rectangular;
+        matmul(to, shape, Accum::Replace, a.transpose(), whole, b, whole, 1.0, Par::Seq);
+    };
+    let triangle = BlockStructure::TriangularLower;
+    rayon::join(
+        || {
+            product(upper_left, triangle, left, left);
+            product(lower_right, triangle, right, right);
+        },
+        || product(below, BlockStructure::Rectangular, right, left),
+    );
+}
+
 /// Modes whose sum a coordinate is, with their shares; none for flexibility.
 type CoordinateModes = Vec<(usize, f64)>;
 
@@ -266,8 +286,10 @@ impl<'a> EnergyProblem<'a> {
             .map(|contact| contact.area * contact.law.stiffness(self.first_pressure))
             .collect();
         let mut gradient = self.gradient(&place, &closures);
+        let mut weighted = self.closures.clone();
+        let mut matrix = Mat::zeros(size, size);
         for _ in 0..MOST_STEPS {
-            let step = self.newton_step(&springs, &gradient)?;
+            let step = self.newton_step(&springs, &gradient, (&mut weighted, &mut matrix))?;
             let decrement: f64 = step.iter().zip(&gradient).map(|(a, b)| -a * b).sum();
             let work: f64 = self.loads.iter().zip(&place).map(|(f, q)| (f * q).abs()).sum();
             let own: f64 = self.stiffness.iter().zip(&place).map(|(k, q)| k * q * q).sum::<f64>();
@@ -286,25 +308,23 @@ impl<'a> EnergyProblem<'a> {
         Err(self.not_found(&closures))
     }
 
-    /// `-H^-1 gradient` with the contacts as `springs` \[N/m\].
-    fn newton_step(&self, springs: &[f64], gradient: &[f64]) -> Result<Vec<f64>, StructureError> {
+    /// `-H^-1 gradient` with the contacts as `springs` \[N/m\]; overwrites closures weighted by them, and H.
+    fn newton_step(
+        &self,
+        springs: &[f64],
+        gradient: &[f64],
+        (weighted, matrix): (&mut Mat<f64>, &mut Mat<f64>),
+    ) -> Result<Vec<f64>, StructureError> {
         let size = self.stiffness.len();
-        let weighted = Mat::from_fn(self.contacts.len(), size, |i, k| {
-            springs[i].max(self.floor).sqrt() * self.closures[(i, k)]
-        });
-        // The lower triangle, which the factorisation reads.
-        let mut matrix = Mat::zeros(size, size);
-        matmul(
-            matrix.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Replace,
-            weighted.transpose(),
-            BlockStructure::Rectangular,
-            weighted.as_ref(),
-            BlockStructure::Rectangular,
-            1.0,
-            Par::Seq,
-        );
+        let weights: Vec<f64> =
+            springs.iter().map(|spring| spring.max(self.floor).sqrt()).collect();
+        for (weighted, closures) in weighted.col_iter_mut().zip(self.closures.col_iter()) {
+            for ((value, weight), closure) in weighted.iter_mut().zip(&weights).zip(closures.iter())
+            {
+                *value = weight * closure;
+            }
+        }
+        squared(weighted.as_ref(), matrix.as_mut());
         for (k, stiffness) in self.stiffness.iter().enumerate() {
             matrix[(k, k)] += stiffness;
         }

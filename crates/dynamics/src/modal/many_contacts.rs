@@ -38,7 +38,7 @@ use crate::contact_energy::excess;
 use crate::error::{balanced, check_modal_damping};
 use crate::run_bounds::check_many_contacts;
 use crate::{ContactExtremes, DynamicsError, EnergyLedger, History, Sampling, Transient};
-use contact_factor::{Work, times};
+use contact_factor::{Work, dot, times};
 use contact_forces::ContactForces;
 use run_parts::{Extremes, Residual, SteppedMode};
 
@@ -234,13 +234,13 @@ struct Run<'a> {
     displacement: Vec<f64>,
     velocity: Vec<f64>,
     modal_force: Vec<f64>,
-    /// Closures from rest, at the end and at the end before, and force increments \[N\].
+    /// Closures from rest, at the end and at the two ends before, and memory of others.
     closures: Vec<f64>,
-    before: Vec<f64>,
+    before: [Vec<f64>; 2],
+    spare: Vec<f64>,
     /// Parts of a step without contact.
     shares: Vec<f64>,
-    /// Memory of closures.
-    earlier: Vec<f64>,
+    /// Force increments \[N\].
     forces: Vec<f64>,
     /// Force increments by laws alone \[N\].
     law_forces: Vec<f64>,
@@ -314,8 +314,8 @@ impl<'a> Run<'a> {
             velocity: vec![0.0; modes.len()],
             modal_force,
             closures: vec![0.0; n],
-            before: vec![0.0; n],
-            earlier: vec![0.0; n],
+            before: [vec![0.0; n], vec![0.0; n]],
+            spare: vec![0.0; n],
             shares: vec![0.0; n],
             forces: vec![0.0; n],
             law_forces: vec![0.0; n],
@@ -354,11 +354,10 @@ impl<'a> Run<'a> {
         let free: Vec<f64> = self.residual.load.iter().map(|r| r * self.load_value).collect();
         let flexibility = self.residual.closures.clone();
         if self.solve(&free, &flexibility, (0.0, 0.0)).is_ok() {
-            self.before = self.closures.clone();
+            self.before = [self.closures.clone(), self.closures.clone()];
         }
         for (m, mode) in self.modes.iter().enumerate() {
-            self.modal_force[m] = mode.load * self.load_value
-                - mode.closures.iter().zip(&self.forces).map(|(b, f)| b * f).sum::<f64>();
+            self.modal_force[m] = mode.load * self.load_value - dot(&mode.closures, &self.forces);
         }
     }
 
@@ -382,7 +381,7 @@ impl<'a> Run<'a> {
             self.drift.push(next);
         }
         let before = self.load_displacement();
-        let mut old_closures = std::mem::take(&mut self.earlier);
+        let mut old_closures = std::mem::take(&mut self.spare);
         old_closures.copy_from_slice(&self.closures);
         let flexibility = std::mem::replace(&mut self.flexibility, Mat::zeros(0, 0));
         let solved = self.solve(&free, &flexibility, (time, 1.0 / self.step));
@@ -391,8 +390,7 @@ impl<'a> Run<'a> {
         solved?;
         let mut loss = 0.0;
         for (m, mode) in self.modes.iter().enumerate() {
-            let along: f64 = mode.closures.iter().zip(&self.forces).map(|(b, f)| b * f).sum();
-            let force = mode.load * load - along;
+            let force = mode.load * load - dot(&mode.closures, &self.forces);
             let rate = mode.dynamics.rate;
             let old = [self.displacement[m], self.velocity[m]];
             let new =
@@ -425,7 +423,8 @@ impl<'a> Run<'a> {
         self.ledger.input += mean_load * (self.load_displacement() - before);
         self.ledger.dissipated += loss;
         self.observe(&old_closures);
-        self.earlier = std::mem::replace(&mut self.before, old_closures);
+        let [last, earlier] = &mut self.before;
+        self.spare = std::mem::replace(earlier, std::mem::replace(last, old_closures));
         Ok(())
     }
 
@@ -449,9 +448,13 @@ impl<'a> Run<'a> {
     /// Newton steps to the closures of `work`; false if they do not end.
     fn newton(&mut self, free: &[f64], flexibility: &Mat<f64>, rate: f64, work: &mut Work) -> bool {
         let (forces, contacts) = (&self.system.forces, self.system.structure.contacts());
-        let Work { factor, place, from, change, rest, carried, increments, room } = work;
-        for ((x, now), before) in place.iter_mut().zip(&self.closures).zip(&self.before) {
-            *x = 2.0 * now - before;
+        let Work { factor, place, from, change, rest, carried } = work;
+        // The parabola through the last three ends.
+        let [last, earlier] = &self.before;
+        for (((x, now), last), earlier) in
+            place.iter_mut().zip(&self.closures).zip(last).zip(earlier)
+        {
+            *x = 3.0 * (now - last) + earlier;
         }
         let mut merit = f64::INFINITY;
         for _ in 0..MOST_ITERATIONS {
@@ -483,12 +486,10 @@ impl<'a> Run<'a> {
             if !factor.update(&self.stiffness, flexibility) {
                 return false;
             }
-            factor.solve(rest, increments, room);
-            times(flexibility, increments, carried);
+            factor.solve(flexibility, rest, change);
             from.copy_from_slice(place);
-            for (i, x) in place.iter_mut().enumerate() {
-                change[i] = rest[i] - carried[i];
-                *x += change[i];
+            for (x, change) in place.iter_mut().zip(&*change) {
+                *x += change;
             }
         }
         false

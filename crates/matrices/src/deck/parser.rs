@@ -1,11 +1,12 @@
 //! Lines of a deck to blocks of nodes, elements, sets and surfaces.
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::keyword::Keyword;
-use super::sets::{FileLine, Member, SurfaceItem, Written, malformed};
+use super::sets::{FileLine, Member, Sets, SurfaceItem, Written, malformed};
 use super::{Deck, MeshElement};
 use crate::error::{Place, excerpt};
 use crate::text::{Content, Lines, number, whole};
@@ -57,25 +58,29 @@ impl Parser {
     fn run(&mut self) -> Result<(), MatricesError> {
         let mut block = Block::Skipped;
         let mut place = (Arc::from(""), 0);
-        while let Some(line) = self.next_line(&mut place)? {
-            if !line.starts_with('*') {
+        let (mut line, mut next) = (Vec::new(), Vec::new());
+        while self.next_line(&mut line, &mut place)? {
+            if !line.starts_with(b"*") {
                 self.data(&mut block, &line, &place)?;
                 continue;
             }
             self.close(&mut block, &place)?;
-            let mut whole = line;
             // A keyword line that ends with a comma continues.
-            while whole.trim_end().ends_with(',') {
-                let Some(next) = self.next_line(&mut place)? else { break };
-                whole.push_str(&next);
+            while line.ends_with(b",") && self.next_line(&mut next, &mut place)? {
+                line.extend_from_slice(&next);
             }
-            block = self.keyword(&Keyword::parse(&whole), &place)?;
+            block = self.keyword(&Keyword::parse(&String::from_utf8_lossy(&line)), &place)?;
         }
         self.close(&mut block, &place)
     }
 
-    /// The next line that is neither empty nor a comment; its place goes to `place`.
-    fn next_line(&mut self, place: &mut FileLine) -> Result<Option<String>, MatricesError> {
+    /// Takes the next line that is neither empty nor a comment into `taken`, without blanks at its ends, and its place into
+    /// `place`; false after the last one.
+    fn next_line(
+        &mut self,
+        taken: &mut Vec<u8>,
+        place: &mut FileLine,
+    ) -> Result<bool, MatricesError> {
         while let Some(file) = self.files.last_mut() {
             let Some(line) = file.next()? else {
                 self.files.pop();
@@ -85,14 +90,15 @@ impl Parser {
             if line.is_empty() || line.starts_with(b"**") {
                 continue;
             }
-            let line = String::from_utf8_lossy(line).into_owned();
+            taken.clear();
+            taken.extend_from_slice(line);
             if *place.0 != *file.name {
                 place.0 = Arc::from(file.name.as_str());
             }
             place.1 = file.line;
-            return Ok(Some(line));
+            return Ok(true);
         }
-        Ok(None)
+        Ok(false)
     }
 
     fn keyword(&mut self, keyword: &Keyword, place: &FileLine) -> Result<Block, MatricesError> {
@@ -174,18 +180,18 @@ impl Parser {
     fn data(
         &mut self,
         block: &mut Block,
-        line: &str,
+        line: &[u8],
         place: &FileLine,
     ) -> Result<(), MatricesError> {
-        let wrong = |expected: &str| Err(malformed(place, excerpt(line.as_bytes()), expected));
-        let mut fields = line.split(',').map(str::trim);
+        let wrong = |expected: &str| Err(malformed(place, excerpt(line), expected));
+        let mut fields = line.split(|byte| *byte == b',').map(<[u8]>::trim_ascii);
         match block {
             Block::Skipped => {}
             Block::Nodes { set } => {
-                let node = fields.next().and_then(|field| whole(field.as_bytes()));
+                let node = fields.next().and_then(whole);
                 let mut coordinate = || match fields.next() {
-                    None | Some("") => Some(0.0),
-                    Some(field) => number(field.as_bytes()),
+                    None | Some(b"") => Some(0.0),
+                    Some(field) => number(field),
                 };
                 let coordinates = [coordinate(), coordinate(), coordinate()];
                 let (Some(node), [Some(x), Some(y), Some(z)]) = (node, coordinates) else {
@@ -195,16 +201,13 @@ impl Parser {
                     return wrong("each node once");
                 }
                 if let Some(set) = set {
-                    let set = self.written.node_sets.entry(set.clone()).or_default();
-                    extend(set, node, place);
+                    extend(&mut self.written.node_sets, set, node, place);
                 }
             }
             Block::Elements { kind, open, .. } => {
-                let continues = line.ends_with(',');
-                let numbers: Option<Vec<i64>> = fields
-                    .filter(|field| !field.is_empty())
-                    .map(|field| whole(field.as_bytes()))
-                    .collect();
+                let continues = line.ends_with(b",");
+                let numbers: Option<Vec<i64>> =
+                    fields.filter(|field| !field.is_empty()).map(whole).collect();
                 let Some(numbers) = numbers.filter(|numbers| !numbers.is_empty()) else {
                     return wrong("`element, node, node, ...`, whole numbers");
                 };
@@ -236,7 +239,7 @@ impl Parser {
                     return wrong("`element, face` or `set, face`, with faces S1 to S6");
                 };
                 let elements = member(elements);
-                let item = SurfaceItem { elements, face: face.to_uppercase() };
+                let item = SurfaceItem { elements, face: text(face).to_uppercase() };
                 let items = self.written.surfaces.entry(name.clone()).or_default();
                 items.push((item, place.clone()));
             }
@@ -264,8 +267,7 @@ impl Parser {
             ));
         }
         if let Some(set) = set {
-            let set = self.written.element_sets.entry(set.clone()).or_default();
-            extend(set, element.number, place);
+            extend(&mut self.written.element_sets, set, element.number, place);
         }
         self.written.element_lines.push(place.clone());
         self.written.elements.push(element);
@@ -273,8 +275,12 @@ impl Parser {
     }
 }
 
-/// Adds a number to a set, as part of the range before it if it follows on it.
-fn extend(set: &mut Vec<(Member, FileLine)>, number: i64, place: &FileLine) {
+/// Adds a number to the set `name`, as part of the range before it if it follows on it.
+fn extend(sets: &mut Sets, name: &str, number: i64, place: &FileLine) {
+    if !sets.contains_key(name) {
+        sets.insert(name.to_owned(), Vec::new());
+    }
+    let Some(set) = sets.get_mut(name) else { return };
     if let Some((Member::Range(_, last, 1), _)) = set.last_mut()
         && *last + 1 == number
     {
@@ -285,27 +291,31 @@ fn extend(set: &mut Vec<(Member, FileLine)>, number: i64, place: &FileLine) {
 }
 
 /// A number, or the name of a set.
-fn member(field: &str) -> Member {
-    match whole(field.as_bytes()) {
+fn member(field: &[u8]) -> Member {
+    match whole(field) {
         Some(number) => Member::Number(number),
-        None => Member::Set(field.trim_matches('"').to_uppercase()),
+        None => Member::Set(text(field).trim_matches('"').to_uppercase()),
     }
+}
+
+fn text(field: &[u8]) -> Cow<'_, str> {
+    String::from_utf8_lossy(field)
 }
 
 /// Adds the members of a data line to a set.
 fn members<'a>(
     set: &mut Vec<(Member, FileLine)>,
-    fields: impl Iterator<Item = &'a str>,
+    fields: impl Iterator<Item = &'a [u8]>,
     range: bool,
-    line: &str,
+    line: &[u8],
     place: &FileLine,
 ) -> Result<(), MatricesError> {
-    let fields: Vec<&str> = fields.filter(|field| !field.is_empty()).collect();
+    let fields: Vec<&[u8]> = fields.filter(|field| !field.is_empty()).collect();
     if !range {
         set.extend(fields.iter().map(|field| (member(field), place.clone())));
         return Ok(());
     }
-    let numbers: Option<Vec<i64>> = fields.iter().map(|field| whole(field.as_bytes())).collect();
+    let numbers: Option<Vec<i64>> = fields.iter().copied().map(whole).collect();
     let (first, last, step) = match numbers.as_deref() {
         Some(&[first, last]) => (first, last, 1),
         Some(&[first, last, step]) => (first, last, step),
@@ -313,7 +323,7 @@ fn members<'a>(
     };
     if first > last || step < 1 {
         let expected = "`first, last, step` with first <= last and step >= 1, after GENERATE";
-        return Err(malformed(place, excerpt(line.as_bytes()), expected));
+        return Err(malformed(place, excerpt(line), expected));
     }
     set.push((Member::Range(first, last, step), place.clone()));
     Ok(())

@@ -7,9 +7,14 @@
     reason = "kernels must be compiled with their caller, for the vector instructions chosen"
 )]
 
+use std::slice;
+
 use faer::MatRef;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
 use pulp::{Simd, WithSimd};
+use rayon::prelude::*;
+
+use super::elimination_tree::Branch;
 
 /// Right sides that are solved for at once.
 pub(super) const SIDES: usize = 8;
@@ -20,17 +25,85 @@ const COLUMNS: usize = 4;
 /// A row of all right sides.
 pub(super) type Row = [f64; SIDES];
 
-/// Replaces `rows`, in the order of elimination, by the solution of `L L^T x = rows`.
-pub(super) fn solve(factor: SupernodalLltRef<'_, usize, f64>, rows: &mut [Row]) {
-    pulp::Arch::new().dispatch(Solve { factor, rows });
+/// Columns of the factor.
+type Factor<'a> = SupernodalLltRef<'a, usize, f64>;
+
+/// Replaces `rows`, in the order of elimination, by the solution of `L L^T x = rows`. Branches of the elimination
+/// tree are swept side by side; they are of the factor alone, and so is the rounding.
+pub(super) fn solve(factor: Factor<'_>, tree: &Branch, rows: &mut [Row]) {
+    forward_branch(factor, tree, rows, &mut []);
+    backward_branch(factor, tree, rows, &mut []);
 }
 
-struct Solve<'a> {
-    factor: SupernodalLltRef<'a, usize, f64>,
-    rows: &'a mut [Row],
+/// Solves for the `own` rows of a branch by its triangle, and takes their parts off the rows `behind` it.
+fn forward_branch(factor: Factor<'_>, branch: &Branch, own: &mut [Row], behind: &mut [Row]) {
+    let within = parts(branch, own).into_par_iter().map(|(branch, own)| {
+        let mut changes = vec![[0.0; SIDES]; branch.behind.len()];
+        forward_branch(factor, branch, own, &mut changes);
+        changes
+    });
+    let within: Vec<Vec<Row>> = within.collect();
+    let mut rows = Rows { branch, own, behind };
+    for (part, changes) in branch.branches.iter().zip(within) {
+        for (&row, change) in part.behind.iter().zip(changes) {
+            for (sum, change) in rows.at(row).iter_mut().zip(change) {
+                *sum += change;
+            }
+        }
+    }
+    pulp::Arch::new().dispatch(Sweep { factor, rows, is_forward: true });
 }
 
-impl WithSimd for Solve<'_> {
+/// Solves for the `own` rows of a branch by its transposed triangle, with known rows `behind` it.
+fn backward_branch(factor: Factor<'_>, branch: &Branch, own: &mut [Row], behind: &mut [Row]) {
+    let rows = Rows { branch, own: &mut *own, behind: &mut *behind };
+    pulp::Arch::new().dispatch(Sweep { factor, rows, is_forward: false });
+    let mut rows = Rows { branch, own: &mut *own, behind };
+    let known = |part: &Branch| part.behind.iter().map(|&row| *rows.at(row)).collect();
+    let known: Vec<Vec<Row>> = branch.branches.iter().map(known).collect();
+    let within = parts(branch, own).into_par_iter().zip(known);
+    within.for_each(|((part, own), mut known)| backward_branch(factor, part, own, &mut known));
+}
+
+/// The branches within one, with their rows of its own.
+fn parts<'a>(branch: &'a Branch, mut own: &'a mut [Row]) -> Vec<(&'a Branch, &'a mut [Row])> {
+    let mut from = branch.rows.start;
+    let mut parts = Vec::new();
+    for part in &branch.branches {
+        let (_, rest) = own.split_at_mut(part.rows.start - from);
+        let (rows, rest) = rest.split_at_mut(part.rows.len());
+        parts.push((part, rows));
+        (own, from) = (rest, part.rows.end);
+    }
+    parts
+}
+
+/// Rows that a branch has entries in: its own, and those behind it.
+struct Rows<'a> {
+    branch: &'a Branch,
+    own: &'a mut [Row],
+    behind: &'a mut [Row],
+}
+
+impl Rows<'_> {
+    #[inline(always)]
+    fn at(&mut self, row: usize) -> &mut Row {
+        if row < self.branch.rows.end {
+            &mut self.own[row - self.branch.rows.start]
+        } else {
+            &mut self.behind[self.branch.place(row)]
+        }
+    }
+}
+
+/// A sweep over the supernodes of a branch that are in none within it.
+struct Sweep<'a> {
+    factor: Factor<'a>,
+    rows: Rows<'a>,
+    is_forward: bool,
+}
+
+impl WithSimd for Sweep<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -44,43 +117,52 @@ impl WithSimd for Solve<'_> {
     }
 }
 
-impl Solve<'_> {
-    /// Solves with rows of `N` vectors.
+impl Sweep<'_> {
+    /// Sweeps with rows of `N` vectors.
     #[inline(always)]
     fn with_vectors<S: Simd, const N: usize>(self, simd: S) {
-        let Self { factor, rows } = self;
-        let rows: &mut [S::f64s] = pulp::bytemuck::cast_slice_mut(rows);
-        let count = factor.symbolic().n_supernodes();
-        let mut part = Vec::new();
-        for number in 0..count {
-            let supernode = factor.supernode(number);
-            let own = supernode.val().ncols();
-            let range = N * supernode.start()..N * (supernode.start() + own);
-            part.clear();
-            part.extend_from_slice(&rows[range.clone()]);
-            part.resize(N * supernode.val().nrows(), simd.splat_f64s(0.0));
-            forward::<S, N>(simd, supernode.val(), &mut part);
-            let (solved, changes) = part.split_at(N * own);
-            rows[range].copy_from_slice(solved);
-            for (row, change) in supernode.pattern().iter().zip(changes.chunks_exact(N)) {
-                for (x, change) in rows[N * row..N * (row + 1)].iter_mut().zip(change) {
-                    *x = simd.add_f64s(*x, *change);
+        let Self { factor, mut rows, is_forward } = self;
+        let branch = rows.branch;
+        let mut part: Vec<S::f64s> = Vec::new();
+        if is_forward {
+            for &number in &branch.own {
+                let supernode = factor.supernode(number);
+                let own = supernode.val().ncols();
+                let first = supernode.start() - branch.rows.start;
+                part.clear();
+                part.extend_from_slice(vectors::<S>(&mut rows.own[first..first + own]));
+                part.resize(N * supernode.val().nrows(), simd.splat_f64s(0.0));
+                forward::<S, N>(simd, supernode.val(), &mut part);
+                let (solved, changes) = part.split_at(N * own);
+                vectors::<S>(&mut rows.own[first..first + own]).copy_from_slice(solved);
+                for (&row, change) in supernode.pattern().iter().zip(changes.chunks_exact(N)) {
+                    let sum = vectors::<S>(slice::from_mut(rows.at(row)));
+                    for (x, change) in sum.iter_mut().zip(change) {
+                        *x = simd.add_f64s(*x, *change);
+                    }
                 }
             }
-        }
-        for number in (0..count).rev() {
-            let supernode = factor.supernode(number);
-            let own = supernode.val().ncols();
-            let range = N * supernode.start()..N * (supernode.start() + own);
-            part.clear();
-            part.extend_from_slice(&rows[range.clone()]);
-            for row in supernode.pattern() {
-                part.extend_from_slice(&rows[N * row..N * (row + 1)]);
+        } else {
+            for &number in branch.own.iter().rev() {
+                let supernode = factor.supernode(number);
+                let own = supernode.val().ncols();
+                let first = supernode.start() - branch.rows.start;
+                part.clear();
+                part.extend_from_slice(vectors::<S>(&mut rows.own[first..first + own]));
+                for &row in supernode.pattern() {
+                    part.extend_from_slice(vectors::<S>(slice::from_mut(rows.at(row))));
+                }
+                backward::<S, N>(simd, supernode.val(), &mut part);
+                vectors::<S>(&mut rows.own[first..first + own]).copy_from_slice(&part[..N * own]);
             }
-            backward::<S, N>(simd, supernode.val(), &mut part);
-            rows[range].copy_from_slice(&part[..N * own]);
         }
     }
+}
+
+/// Rows as vectors.
+#[inline(always)]
+fn vectors<S: Simd>(rows: &mut [Row]) -> &mut [S::f64s] {
+    pulp::bytemuck::cast_slice_mut(rows)
 }
 
 /// Solves for the rows of the triangle on top of the columns `lower`, and takes their parts off the rows below.

@@ -24,10 +24,10 @@ pub const FOLDER: &str = ".asperity-reductions";
 /// Files of kept reductions and shapes of a folder; the oldest are removed.
 const MOST_KEPT: usize = 40;
 
-const MARK: &[u8; 8] = b"asprrd02";
-const SHAPES_MARK: &[u8; 8] = b"asprsh02";
+const MARK: &[u8; 8] = b"asprrd03";
+const SHAPES_MARK: &[u8; 8] = b"asprsh03";
 
-/// Name of the file of a reduction, from all that the reduction depends on.
+/// Name of the file of a reduction in a folder, from all that the reduction depends on.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReductionKey(String);
 
@@ -74,10 +74,15 @@ impl ReductionKey {
             let changed = read.modified().ok().and_then(|time| {
                 time.duration_since(std::time::UNIX_EPOCH).ok().map(|since| since.as_nanos())
             });
-            let _ = write!(text, "\n{} {} {changed:?}", path.display(), read.len());
+            let _ = write!(text, "\n{file} {} {changed:?}", read.len());
         }
         Ok(Self(text_sha256(&text)))
     }
+}
+
+/// True if there is a file of the kept reductions of `key` beside the scenario in `folder`.
+pub(super) fn exists(folder: &Path, key: &ReductionKey) -> bool {
+    folder.join(FOLDER).join(&key.0).is_file()
 }
 
 /// The kept reductions of `key` beside the scenario in `folder`, if there are.
@@ -257,15 +262,20 @@ impl Words<'_> {
     }
 
     fn numbers(&mut self, count: usize) -> Option<Vec<f64>> {
-        (count <= self.0.len() / 8).then_some(())?;
-        (0..count).map(|_| self.next().map(f64::from_le_bytes)).collect()
+        let (numbers, rest) = self.0.split_at_checked(count.checked_mul(8)?)?;
+        self.0 = rest;
+        Some(numbers.as_chunks::<8>().0.iter().map(|word| f64::from_le_bytes(*word)).collect())
     }
 }
 
-/// FNV-1a.
+/// FNV-1a over words of eight bytes, the last one filled up by zeros.
 fn check_sum(bytes: &[u8]) -> u64 {
-    let step = |sum: u64, byte: &u8| (sum ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)
+    let step = |sum: u64, word: u64| (sum ^ word).wrapping_mul(0x0100_0000_01b3);
+    let (words, rest) = bytes.as_chunks::<8>();
+    let mut last = [0; 8];
+    last[..rest.len()].copy_from_slice(rest);
+    let words = words.iter().chain(std::iter::once(&last)).map(|word| u64::from_le_bytes(*word));
+    words.fold(0xcbf2_9ce4_8422_2325, step)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! A structure of matrices at rest, from the files of its scenario.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::{Integrator, Sampling};
@@ -85,6 +85,7 @@ impl PatchStructure {
 /// laws, gaps, springs, damping, sizes of loads and gravity, and the function of time of the force.
 #[derive(Debug)]
 pub struct ReducedStructure {
+    folder: PathBuf,
     key: ReductionKey,
     ports: PortMap,
     bodies: Vec<ReducedBody>,
@@ -109,8 +110,12 @@ impl ReducedStructure {
         folder: &Path,
     ) -> Result<Self, SimulationError> {
         // The files of a kept reduction were checked when it was made.
-        let (ports, bodies) = if let Some(found) = kept_reduction::find(folder, &key) {
-            (Ports::read(scenario, folder, false)?, found)
+        let (ports, bodies) = if kept_reduction::exists(folder, &key)
+            && let (Some(found), ports) = rayon::join(
+                || kept_reduction::find(folder, &key),
+                || Ports::read(scenario, folder, false),
+            ) {
+            (ports?, found)
         } else {
             let (ports, made, _) = reduced(scenario, folder, &key)?;
             (ports, made)
@@ -125,7 +130,7 @@ impl ReducedStructure {
                 format!("a folder {FOLDER} that is removed"),
             ));
         }
-        Ok(Self { key, ports: ports.map, bodies, own })
+        Ok(Self { folder: folder.to_owned(), key, ports: ports.map, bodies, own })
     }
 
     /// The structure at rest with the laws, gaps, springs, damping, loads and force of `scenario`, which has this
@@ -225,7 +230,8 @@ impl ReducedStructures {
     ) -> Result<Assembly<PatchStructure>, SimulationError> {
         let key = ReductionKey::new(folder, scenario)?;
         let all = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = all().iter().find(|one| one.key == key).map(Arc::clone);
+        let is_it = |one: &&Arc<ReducedStructure>| one.folder == folder && one.key == key;
+        let known = all().iter().find(is_it).map(Arc::clone);
         let found = if let Some(found) = known {
             found
         } else {

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::Run;
+use super::contact_factor::dot;
 use super::run_parts::share_below_zero;
 use crate::History;
 
@@ -54,14 +55,13 @@ impl Run<'_> {
     /// Displacement of the loaded port \[m\].
     pub(super) fn load_displacement(&self) -> f64 {
         let carried: f64 = self.modes.iter().zip(&self.displacement).map(|(m, q)| m.load * q).sum();
-        let yielded: f64 = self.residual.load.iter().zip(&self.forces).map(|(r, f)| r * f).sum();
+        let yielded = dot(&self.residual.load, &self.forces);
         carried + self.residual.own * self.load_value - yielded
     }
 
     /// Motion of a sensor. Modes with inertia alone contribute to velocities and accelerations.
     fn sensor(&self, number: usize) -> [f64; 3] {
-        let yielded: f64 =
-            self.residual.sensors[number].iter().zip(&self.forces).map(|(r, f)| r * f).sum();
+        let yielded = dot(&self.residual.sensors[number], &self.forces);
         let mut motion = [self.residual.sensors_load[number] * self.load_value - yielded, 0.0, 0.0];
         for (m, mode) in self.modes.iter().enumerate() {
             let (shape, w) = (mode.sensors[number], mode.dynamics.angular_frequency);
