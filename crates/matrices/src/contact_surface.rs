@@ -1,6 +1,7 @@
 //! Surfaces of a mesh in the plane of a contact patch.
 
 use crate::face_shape::FaceShape;
+use crate::nodes::{cross, dot, norm};
 use crate::polygon::{self, Polygon};
 use crate::{Deck, MatricesError, SurfaceFace};
 
@@ -329,16 +330,4 @@ fn within(vector: [f64; 3], normal: [f64; 3]) -> Option<[f64; 3]> {
     let rest = [0, 1, 2].map(|k| vector[k] - along * normal[k]);
     let length = norm(rest);
     (length > 0.5 * norm(vector)).then(|| rest.map(|x| x / length))
-}
-
-pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-pub(crate) fn norm(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -17,6 +17,7 @@ mod sets;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
 
+use crate::nodes::{cross, dot, minus};
 use crate::text::Content;
 use crate::{ElementKind, MatricesError, MatrixUnits, Nodes};
 
@@ -144,13 +145,32 @@ impl Deck {
 
     /// Edges of the free faces of solid elements between corners, each once, ascending.
     pub fn free_edges(&self) -> Vec<[i64; 2]> {
-        let faces = self.free_faces(|_| true);
-        let edges = faces.iter().flat_map(|face| {
+        edges_of(&self.free_faces(|_| true))
+    }
+
+    /// The same of those faces whose outer side is turned to `eye`, a vector towards it: what is seen of a convex body.
+    pub fn edges_seen(&self, eye: [f64; 3]) -> Vec<[i64; 2]> {
+        let place = |node: &i64| self.nodes.get(*node).unwrap_or_default();
+        let middle = |nodes: &[i64]| {
+            let sum =
+                nodes.iter().map(place).fold([0.0; 3], |sum, x| [0, 1, 2].map(|k| sum[k] + x[k]));
+            sum.map(|x| x / nodes.len() as f64)
+        };
+        let elements: HashMap<i64, &MeshElement> =
+            self.elements.iter().map(|element| (element.number, element)).collect();
+        let is_seen = |face: &SurfaceFace| {
             let corners = face.corners();
-            let next = corners.iter().cycle().skip(1);
-            corners.iter().zip(next).map(|(&a, &b)| [a.min(b), a.max(b)])
-        });
-        edges.collect::<BTreeSet<_>>().into_iter().collect()
+            let (Some(element), [a, b, c, ..]) = (elements.get(&face.element), corners) else {
+                return true;
+            };
+            let [a, b, c] = [a, b, c].map(place);
+            let normal = cross(minus(b, a), minus(c, a));
+            let outwards = dot(normal, minus(middle(corners), middle(&element.nodes)));
+            outwards * dot(normal, eye) > 0.0
+        };
+        let mut faces = self.free_faces(|_| true);
+        faces.retain(is_seen);
+        edges_of(&faces)
     }
 
     /// Free faces all nodes of which are `within`, in the order of the elements.
@@ -216,4 +236,14 @@ impl Deck {
             MatricesError::inconsistent(what, format!("the deck has {has}"))
         })
     }
+}
+
+/// Edges of faces between corners, each once, ascending.
+fn edges_of(faces: &[SurfaceFace]) -> Vec<[i64; 2]> {
+    let edges = faces.iter().flat_map(|face| {
+        let corners = face.corners();
+        let next = corners.iter().cycle().skip(1);
+        corners.iter().zip(next).map(|(&a, &b)| [a.min(b), a.max(b)])
+    });
+    edges.collect::<BTreeSet<_>>().into_iter().collect()
 }

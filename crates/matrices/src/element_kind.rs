@@ -113,10 +113,7 @@ impl ElementKind {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-        [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-    }
+    use crate::nodes::minus;
 
     /// Places of the corners, and of the middle nodes as the programs number them.
     fn places(kind: ElementKind) -> Vec<[f64; 3]> {

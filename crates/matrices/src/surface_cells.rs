@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::contact_surface::{Bounds, ContactSurface, Plane, PlaneFace, dot, norm};
+use crate::contact_surface::{Bounds, ContactSurface, Plane, PlaneFace};
+use crate::nodes::{dot, norm};
 use crate::polygon::{self, Polygon};
 use crate::{CellWeight, ContactCell, Dof, MatricesError};
 

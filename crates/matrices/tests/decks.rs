@@ -197,3 +197,18 @@ fn included_files_are_read_beside_the_deck() -> Outcome {
     assert!(error.contains("deck.inp, line 1: *INCLUDE of `mesh.inp`"), "{error}");
     Ok(())
 }
+
+/// From above a corner of a cube the edges are seen that do not end in the opposite one; along an axis, those of one face.
+#[test]
+fn edges_turned_away_are_not_seen() -> Outcome {
+    let deck = Deck::of_text("cube.inp", CUBE)?;
+    let all = deck.free_edges();
+    assert_eq!(all.len(), 12);
+    for (eye, opposite) in [([1.0, 1.0, 1.0], 1), ([-1.0, -2.0, -0.5], 7), ([1.0, -1.0, 2.0], 4)] {
+        let seen: Vec<[i64; 2]> =
+            all.iter().copied().filter(|edge| !edge.contains(&opposite)).collect();
+        assert_eq!(deck.edges_seen(eye), seen, "{eye:?}");
+    }
+    assert_eq!(deck.edges_seen([0.0, 0.0, 1.0]), [[5, 6], [5, 8], [6, 7], [7, 8]]);
+    Ok(())
+}

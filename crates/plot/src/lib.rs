@@ -9,6 +9,7 @@
 //! | sweep | [`sweep`] | |
 //! | laws, modes | [`laws`], [`modes`] | |
 //! | contact patches at rest | [`pressure_maps`] | |
+//! | modes on the mesh of a body | [`mesh_shapes`] | |
 //! | steady responses | [`steady`] | [`steady_report`], in the words of [`steady_words`] |
 //! | measured hits | [`figures`], [`responses`] | [`analysis_report`] |
 //! | functions of a file | [`frf_file`] | |
@@ -35,6 +36,7 @@ mod decay;
 mod frf_file;
 mod identification;
 mod magnitude;
+mod mesh_shapes;
 mod pressure_closure;
 mod pressure_map;
 mod response;
@@ -53,6 +55,7 @@ pub use decay::{decay_figures, decay_report};
 pub use frf_file::frf_file;
 pub use identification::{feature_name, identification, identification_report, measurement};
 pub use magnitude::MagnitudeAxis;
+pub use mesh_shapes::mesh_shapes;
 pub use pressure_closure::pressure_closure;
 pub use pressure_map::pressure_maps;
 pub use response::{frf, history, measured_frf};

@@ -49,6 +49,9 @@ fn of_structure(document: &Document, output: &Output, count: usize) -> Result<()
     {
         folder.write(&format!("modes-{number}.vtu"), mesh.grid())?;
         folder.write(&format!("modes-{number}.unv"), mesh.universal_file())?;
+        if let Some(figure) = plot::mesh_shapes(&mesh) {
+            folder.draw(&format!("modes-{number}"), &figure)?;
+        }
     }
     let provenance = Provenance::of_structure(document, &scenario)?;
     let answer = found.summary(scenario.title.clone(), &assembly, provenance);

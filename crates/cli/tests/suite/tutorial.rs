@@ -47,4 +47,8 @@ fn the_tutorial_of_finite_elements_prints_what_it_says() {
             assert!(printed.contains(line.trim_end()), "{words:?}: no line `{line}` in\n{printed}");
         }
     }
+    let shapes = std::fs::read_to_string(folder.path().join("out/modes/modes-1.svg")).unwrap();
+    for frequency in ["226.6 Hz", "710.9 Hz", "989.6 Hz", "1702.8 Hz", "Motion over largest"] {
+        assert!(shapes.contains(frequency), "{frequency}");
+    }
 }

@@ -110,6 +110,30 @@ impl MeshModes {
         self.rest.as_ref().map(|rest| rest[place])
     }
 
+    /// Name of the body.
+    pub fn body(&self) -> &str {
+        &self.body
+    }
+
+    /// Places of the nodes \[m\], ascending by their numbers.
+    pub fn places(&self) -> Vec<[f64; 3]> {
+        self.deck.nodes().iter().map(|(_, place)| place).collect()
+    }
+
+    /// Edges of the faces that are turned to `eye`, a vector towards it, by the numbers of their ends among the
+    /// [places](Self::places).
+    pub fn edges_seen(&self, eye: [f64; 3]) -> Vec<[usize; 2]> {
+        let numbers: Vec<i64> = self.deck.nodes().numbers().collect();
+        let place = |node: i64| numbers.binary_search(&node).ok();
+        let edges = self.deck.edges_seen(eye).into_iter();
+        edges.filter_map(|[a, b]| Some([place(a)?, place(b)?])).collect()
+    }
+
+    /// Frequency \[Hz\] of each mode, and its displacements of the nodes \[kg^-1/2\].
+    pub fn shapes(&self) -> impl Iterator<Item = (f64, &[[f64; 3]])> {
+        self.modes.iter().zip(&self.shapes).map(|([frequency, _], shape)| (*frequency, &shape[..]))
+    }
+
     /// A universal file: units (dataset 164), nodes (2411), lines along the edges of free faces (82), the displacements at rest
     /// and a normal mode each (55), whose modal mass is 1.
     pub fn universal_file(&self) -> String {
