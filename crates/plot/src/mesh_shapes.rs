@@ -7,9 +7,11 @@ use asperity_simulation::patches::MeshModes;
 const MOST_MODES: usize = 6;
 const COLUMNS: usize = 3;
 
-/// Width of a figure and of a frame in it, least and largest height of a frame, and room of titles \[mm\].
-const WIDTH_MM: f64 = 180.0;
+/// Width of a frame, of a panel about it, and of the colours beside them, least and largest height of a frame, and room of
+/// titles \[mm\].
 const FRAME_MM: f64 = 47.0;
+const PANEL_MM: f64 = 56.5;
+const BAR_MM: f64 = 10.5;
 const HEIGHTS_MM: (f64, f64) = (32.0, 110.0);
 const TITLES_MM: f64 = 12.0;
 
@@ -35,20 +37,25 @@ pub fn mesh_shapes(mesh: &MeshModes) -> Option<Figure> {
         let seen = edges.iter().flatten().map(|&node| at_rest[node][axis]);
         seen.fold(start, |(low, high), x| (low.min(x), high.max(x)))
     };
-    let [across, up] = [range(0), range(1)];
-    let extents = [across.1 - across.0, up.1 - up.0];
+    let ranges = [range(0), range(1)];
+    let extents = ranges.map(|(low, high)| high - low);
     let size = extents[0].hypot(extents[1]);
-    let margin = 1.2 * DRAWN * size;
-    let axis = |(low, high): (f64, f64)| {
+    let needed = extents.map(|extent| extent + 2.4 * DRAWN * size);
+    let height = (FRAME_MM * needed[1] / needed[0]).clamp(HEIGHTS_MM.0, HEIGHTS_MM.1);
+    // One length of both axes is as long on paper.
+    let per_mm = (needed[0] / FRAME_MM).max(needed[1] / height);
+    let axis = |(low, high): (f64, f64), mm: f64| {
+        let (middle, half) = (0.5 * (low + high), 0.5 * per_mm * mm);
         let unlabelled = Axis::linear("", "").ticks(std::iter::empty::<(f64, String)>());
-        unlabelled.range(low - margin, high + margin)
+        unlabelled.range(middle - half, middle + half)
     };
     let largest = |shape: &[[f64; 3]]| shape.iter().map(|&moved| length(moved)).fold(0.0, f64::max);
     let elastic =
         mesh.shapes().filter(|(frequency, shape)| *frequency > 0.0 && largest(shape) > 0.0);
+    let drawn: Vec<_> = elastic.take(MOST_MODES).collect();
+    let columns = COLUMNS.min(drawn.len());
     let mut figure = Figure::new(format!("Mode shapes of {}", mesh.body()));
-    let mut is_empty = true;
-    for (number, (frequency, shape)) in elastic.take(MOST_MODES).enumerate() {
+    for (number, &(frequency, shape)) in (1..).zip(&drawn) {
         let largest = largest(shape);
         let factor = DRAWN * size / largest;
         let moved = |node: usize| {
@@ -56,7 +63,7 @@ pub fn mesh_shapes(mesh: &MeshModes) -> Option<Figure> {
             [0, 1].map(|k| at_rest[node][k] + factor * by[k])
         };
         let title = format!("{frequency:.1} Hz");
-        let mut panel = Panel::new(axis(across), axis(up)).title(title);
+        let mut panel = Panel::new(axis(ranges[0], FRAME_MM), axis(ranges[1], height)).title(title);
         let still = lines(edges.iter().map(|edge| edge.map(|node| at_rest[node])));
         panel = panel.series(still.color(Color::GREY.lighten(0.5)).width(0.3));
         let bar = ColorBar::continuous("Motion over largest", "", 0.0, 1.0);
@@ -69,13 +76,11 @@ pub fn mesh_shapes(mesh: &MeshModes) -> Option<Figure> {
             let color = bar.color((class as f64 + 0.5) / COLORS as f64);
             panel = panel.series_if_visible(lines(own).color(color).width(0.6));
         }
-        let is_last = number % COLUMNS == COLUMNS - 1;
-        figure = figure.panel(if is_last { panel.color_bar(bar) } else { panel });
-        is_empty = false;
+        figure = figure.panel(if number == columns { panel.color_bar(bar) } else { panel });
     }
-    let frame = (FRAME_MM * (extents[1] + 2.0 * margin) / (extents[0] + 2.0 * margin))
-        .clamp(HEIGHTS_MM.0, HEIGHTS_MM.1);
-    (!is_empty).then(|| figure.columns(COLUMNS).width_mm(WIDTH_MM).row_height_mm(frame + TITLES_MM))
+    let width = columns as f64 * PANEL_MM + BAR_MM;
+    let figure = figure.columns(columns).width_mm(width).row_height_mm(height + TITLES_MM);
+    (!drawn.is_empty()).then_some(figure)
 }
 
 /// Lines that are not joined, as one series.
