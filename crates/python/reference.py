@@ -61,6 +61,7 @@ PARTS: tuple[tuple[str, ModuleType, tuple[str, ...]], ...] = (
         (
             "simulate",
             "Simulation",
+            "MeshMotion",
             "sweep",
             "Sweep",
             "study",
@@ -156,6 +157,7 @@ MADE = {
     "Identification",
     "LawTables",
     "LogarithmicDecrement",
+    "MeshMotion",
     "Modes",
     "PowerFit",
     "Pulse",

@@ -60,8 +60,9 @@ pub use finite_difference::{ContactForm, FiniteDifference};
 pub use instruction_set::InstructionSet;
 pub use integrator::Integrator;
 pub use modal::{
-    Batch, COARSE_RESIDUAL, CaseResponse, ContactMeasures, Decimation, MOST_CONTACTS, ManyContacts,
-    Modal, ModalModel, ParameterVariation, Sensitivity, StepHistory, TransientCase,
+    Batch, COARSE_RESIDUAL, CaseResponse, ContactMeasures, ContactsResponse, ContactsState,
+    Decimation, MOST_CONTACTS, ManyContacts, Modal, ModalModel, ParameterVariation, Sensitivity,
+    StepHistory, TransientCase,
 };
 pub use run_bounds::RunOutline;
 pub use transient::{

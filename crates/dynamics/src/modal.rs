@@ -85,7 +85,7 @@ use crate::{DynamicsError, InstructionSet, Sampling, Transient};
 pub use assembly::ModalModel;
 pub use batch::Batch;
 pub use decimation::Decimation;
-pub use many_contacts::{MOST_CONTACTS, ManyContacts};
+pub use many_contacts::{ContactsResponse, ContactsState, MOST_CONTACTS, ManyContacts};
 pub use sensitivity::{ContactMeasures, ParameterVariation, Sensitivity, StepHistory};
 pub use step_size::COARSE_RESIDUAL;
 pub use transient_case::{CaseResponse, TransientCase};

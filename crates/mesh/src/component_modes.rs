@@ -184,6 +184,33 @@ pub(crate) fn massless_modes(
     (0..ports.len()).filter(|&k| values[k] > ROUNDING * largest).map(mode).collect()
 }
 
+/// Static forces \[N\] at the ports of a structure under which the massless modes of one of its bodies have these
+/// `coordinates`: `phi_n f = w_n^2 q_n`.
+///
+/// Modes left out of a body follow forces with one retardation time, so that they are always where these forces would
+/// hold them. Modes as [`ReducedBody::joined`](crate::ReducedBody::joined) makes them, orthogonal in ports of unit
+/// flexibility.
+pub fn massless_forces(modes: &[&NormalMode], coordinates: &[f64]) -> Vec<f64> {
+    let ports = modes.first().map_or(0, |mode| mode.ports.len());
+    let squared = |mode: &NormalMode| mode.angular_frequency.powi(2);
+    let flexibility = |port: usize| -> f64 {
+        modes.iter().map(|mode| mode.ports[port].powi(2) / squared(mode)).sum()
+    };
+    let flexibilities: Vec<f64> = (0..ports).map(flexibility).collect();
+    let mut forces = vec![0.0; ports];
+    for (mode, q) in modes.iter().zip(coordinates) {
+        let scaled = mode.ports.iter().zip(&flexibilities).filter(|(_, own)| **own > 0.0);
+        let eigenvalue =
+            scaled.map(|(shape, own)| shape * shape / own).sum::<f64>() / squared(mode);
+        for ((force, shape), own) in forces.iter_mut().zip(&mode.ports).zip(&flexibilities) {
+            if *own > 0.0 {
+                *force += shape * q / (own * eigenvalue);
+            }
+        }
+    }
+    forces
+}
+
 /// Free-interface normal modes and residual flexibility of a structure with open contacts.
 ///
 /// Between its contacts a structure is linear. Expanded in mass-normalised modes `n` of the parts
@@ -305,5 +332,38 @@ impl ComponentModes {
     /// Contacts, and after them guides.
     pub fn pairs(&self) -> &[PortPair] {
         &self.pairs
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Massless modes that forces at ports hold tell these forces, as far as they move anything: the displacements that
+    /// they give are the same. Four ports, the flexibility of three of which has rank two and that of one is zero, of units far apart.
+    #[test]
+    fn massless_modes_tell_the_forces_that_hold_them() {
+        let columns = [[3e-9, 1e-9, 4e-6, 0.0], [1e-9, -2e-9, 5e-6, 0.0]];
+        let flexibility =
+            Mat::from_fn(4, 4, |i, j| columns.iter().map(|column| column[i] * column[j]).sum());
+        let (w, held) = (3e4, [2.0, -7.0, 0.25, 40.0]);
+        let modes = massless_modes(&flexibility, (&[4, 1, 2, 0], 6), w, 1e-5);
+        assert_eq!(modes.len(), 2);
+        let force_at = |port: usize| [4, 1, 2, 0].iter().position(|&own| own == port);
+        let force_at = |port: usize| force_at(port).map_or(0.0, |place| held[place]);
+        let coordinate = |mode: &NormalMode| {
+            let work = mode.ports.iter().enumerate();
+            work.map(|(port, shape)| shape * force_at(port)).sum::<f64>() / (w * w)
+        };
+        let coordinates: Vec<f64> = modes.iter().map(coordinate).collect();
+        let all: Vec<&NormalMode> = modes.iter().collect();
+        let found = massless_forces(&all, &coordinates);
+        let found = [4, 1, 2, 0].map(|port| found[port]);
+        assert_eq!(found[3], 0.0);
+        for i in 0..4 {
+            let [exact, by_found] = [held, found]
+                .map(|forces| (0..4).map(|j| flexibility[(i, j)] * forces[j]).sum::<f64>());
+            assert!((by_found - exact).abs() <= 1e-9 * exact.abs(), "{i}: {by_found:e} {exact:e}");
+        }
     }
 }

@@ -67,7 +67,7 @@ pub mod stack;
 pub use bar_stiffness::BarStiffness;
 pub use body::Body;
 pub use body_damping::BodyDamping;
-pub use component_modes::{ComponentModes, NormalMode, ResidualFlexibility};
+pub use component_modes::{ComponentModes, NormalMode, ResidualFlexibility, massless_forces};
 pub use error::MeshError;
 pub use grid::{BarGrid, Grid};
 pub use mode_count::ModeCount;

@@ -9,7 +9,8 @@
 //! | sweep | [`sweep`] | |
 //! | laws, modes | [`laws`], [`modes`] | |
 //! | contact patches at rest | [`pressure_maps`] | |
-//! | modes on the mesh of a body | [`mesh_shapes`] | |
+//! | modes, and motion in a run, on the mesh of a body | [`mesh_shapes`], [`mesh_motion`] | |
+//! | cells of contact patches over time | [`cell_histories`] | |
 //! | steady responses | [`steady`] | [`steady_report`], in the words of [`steady_words`] |
 //! | measured hits | [`figures`], [`responses`] | [`analysis_report`] |
 //! | functions of a file | [`frf_file`] | |
@@ -55,10 +56,10 @@ pub use decay::{decay_figures, decay_report};
 pub use frf_file::frf_file;
 pub use identification::{feature_name, identification, identification_report, measurement};
 pub use magnitude::MagnitudeAxis;
-pub use mesh_shapes::mesh_shapes;
+pub use mesh_shapes::{mesh_motion, mesh_shapes};
 pub use pressure_closure::pressure_closure;
 pub use pressure_map::pressure_maps;
-pub use response::{frf, history, measured_frf};
+pub use response::{cell_histories, frf, history, measured_frf};
 pub use run_words::run_words;
 pub use steady::{steady, steady_report};
 pub use structure::{VisitedRange, laws, laws_visited, modes};

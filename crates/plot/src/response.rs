@@ -3,6 +3,7 @@
 use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series};
 use asperity_scenario::SensorKind;
 use asperity_signal::{Frf, decay_length};
+use asperity_simulation::patches::PatchRun;
 use asperity_simulation::record::motions;
 use asperity_simulation::run::Run;
 use asperity_simulation::summary::{Amplitude, Fundamental, Summary};
@@ -53,6 +54,33 @@ pub fn history<S>(run: &Run<S>) -> Figure {
         figure = figure.panel(single(&label, unit, scale, motion.relative));
     }
     figure.panel(pressures).columns(2).width_mm(170.0)
+}
+
+/// Most cells drawn.
+const MOST_CELLS: usize = 10;
+
+/// Pressure and closure of the cells that a run records, of more than ten of the first ten, until the motion has decayed;
+/// none without such cells.
+pub fn cell_histories(run: &PatchRun) -> Option<Figure> {
+    if run.cell_histories.is_empty() {
+        return None;
+    }
+    let time = &run.run.transient.history.time;
+    let decays = motions(&run.run).into_iter().map(|motion| decay_length(motion.relative));
+    let end = decays.max().unwrap_or_default().min(time.len());
+    let across = || Axis::linear("Time", "ms").scale(1e3);
+    let mut pressures = Panel::new(across(), Axis::linear("Pressure of cell", "MPa").scale(1e-6));
+    let mut closures = Panel::new(across(), Axis::linear("Closure of cell", "µm").scale(1e6));
+    for (index, cell) in run.cell_histories.iter().take(MOST_CELLS).enumerate() {
+        let name = format!("{} {}", cell.interface, cell.cell);
+        let line = |values: &[f64]| {
+            Series::line(name.clone(), &time[..end], &values[..end]).category(index)
+        };
+        pressures = pressures.series(line(&cell.history.pressure));
+        closures = closures.series(line(&cell.history.closure));
+    }
+    let figure = Figure::new("Cells over time").panel(pressures).panel(closures);
+    Some(figure.columns(1).width_mm(150.0))
 }
 
 /// Magnitude and phase of the receptance, with its peaks and the natural frequency at rest marked.

@@ -5,11 +5,12 @@ use asperity_plot::MagnitudeAxis;
 use asperity_scenario::AnyScenario;
 use asperity_simulation::assemble::Interfaces;
 use asperity_simulation::error::SimulationError;
-use asperity_simulation::patches::simulate_patches;
+use asperity_simulation::patches::{MeshMotion, simulate_patches};
 use asperity_simulation::record::{frf_columns, history_columns};
 use asperity_simulation::run::{Run, receptance, simulate_with_progress};
 use asperity_simulation::warning::Warning;
 use asperity_table::DataTable;
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
@@ -21,7 +22,7 @@ use crate::{background, columns, exception, json};
 /// Columns by their names, and the figure that the command draws of them.
 type Drawn = (Vec<(String, Vec<f64>)>, Figure);
 
-/// History, paths of the contacts, FRF of a run with force, summary, and cells of a structure with patches.
+/// History, paths of the contacts, FRF of a run with force, summary, and cells and meshes of a structure with patches.
 struct Found {
     summary: Value,
     warnings: Vec<(&'static str, String)>,
@@ -29,6 +30,34 @@ struct Found {
     paths: Option<Figure>,
     frf: Option<Drawn>,
     cells: Option<DataTable>,
+    cells_history: Option<Drawn>,
+    motions: Vec<Moved>,
+}
+
+/// A mesh at instants of a run.
+struct Moved {
+    body: String,
+    figure: Option<Figure>,
+    /// Times \[s\].
+    time: Vec<f64>,
+    nodes: Vec<i64>,
+    /// Places of the nodes \[m\], and their displacements by instants \[m\], three numbers each.
+    places: Vec<f64>,
+    displacements: Vec<f64>,
+}
+
+impl From<MeshMotion> for Moved {
+    fn from(motion: MeshMotion) -> Self {
+        let moved = |(_, displacements): (f64, &[[f64; 3]])| displacements.to_vec();
+        Self {
+            body: motion.body().to_owned(),
+            figure: asperity_plot::mesh_motion(&motion),
+            time: motion.instants().map(|(time, _)| time).collect(),
+            nodes: motion.nodes().collect(),
+            places: motion.places().into_flattened(),
+            displacements: motion.instants().flat_map(moved).collect::<Vec<_>>().into_flattened(),
+        }
+    }
 }
 
 impl Found {
@@ -46,6 +75,8 @@ impl Found {
             paths: asperity_plot::pressure_closure(run),
             frf,
             cells: None,
+            cells_history: None,
+            motions: Vec::new(),
         })
     }
 }
@@ -64,7 +95,15 @@ fn computed(
         AnyScenario::Structure(structure) => {
             let run = simulate_patches(document, structure, &report)?;
             let found = Found::new(&run.run, json!(run.summary()))?;
-            Ok(Found { cells: Some(run.cells_table()), ..found })
+            let motions = run.mesh_motions(structure, document.folder())?;
+            let columns = run.cell_history_columns().into_iter();
+            let columns = columns.map(|(name, values)| (name, values.to_vec())).collect();
+            Ok(Found {
+                cells: Some(run.cells_table()),
+                cells_history: asperity_plot::cell_histories(&run).map(|figure| (columns, figure)),
+                motions: motions.into_iter().map(Moved::from).collect(),
+                ..found
+            })
         }
     }
 }
@@ -79,18 +118,25 @@ pub(crate) fn in_words<'a>(
     warnings.into_iter().map(|warning| (warning.kind(), warning.to_string())).collect()
 }
 
-/// Results of one run for Python: summary, history, FRF, cells, paths of the contacts, and warnings.
+/// Name of a body, its mesh at instants as a dict of arrays, and the figure.
+type ShownMesh<'py> = (String, Bound<'py, PyDict>, Option<PyFigure>);
+
+/// Results of one run for Python: summary, history, FRF, cells, cells over time, meshes, paths of the contacts, and
+/// warnings.
 type Simulated<'py> = (
     Bound<'py, PyAny>,
     Shown<'py>,
     Option<Shown<'py>>,
     Option<Bound<'py, PyDict>>,
+    Option<Shown<'py>>,
+    Vec<ShownMesh<'py>>,
     Option<PyFigure>,
     Vec<(&'static str, String)>,
 );
 
 /// Summary as a dict, history and FRF as dicts of arrays with their figures, cells of a structure of matrices
-/// as a dict of arrays, the figure of the paths of the contacts, and the warnings.
+/// as a dict of arrays, those over time with their figure, its meshes at instants, the figure of the paths of the contacts,
+/// and the warnings.
 #[pyfunction]
 #[pyo3(signature = (scenario, progress))]
 pub(crate) fn simulate<'py>(
@@ -100,18 +146,32 @@ pub(crate) fn simulate<'py>(
 ) -> PyResult<Simulated<'py>> {
     let scenario = PyScenario::of(scenario, None)?;
     let outcome = background::run(py, progress, move |progress| computed(&scenario, progress))?;
-    let Found { summary, warnings, history, paths, frf, cells } =
+    let Found { summary, warnings, history, paths, frf, cells, cells_history, motions } =
         outcome.map_err(|error| exception::of_study(py, &error))?;
     let shown = |(columns, figure): Drawn| -> PyResult<Shown<'py>> {
         Ok((columns::to_dict(py, columns)?, PyFigure::from(figure)))
     };
     let frf = frf.map(shown).transpose()?;
     let cells = cells.map(|table| columns::of_table(py, table)).transpose()?;
+    let mesh = |moved: Moved| -> PyResult<ShownMesh<'py>> {
+        let arrays = PyDict::new(py);
+        let (instants, nodes) = (moved.time.len(), moved.nodes.len());
+        arrays.set_item("time_s", PyArray1::from_vec(py, moved.time))?;
+        arrays.set_item("node", PyArray1::from_vec(py, moved.nodes))?;
+        let places = PyArray1::from_vec(py, moved.places);
+        arrays.set_item("place_m", places.reshape([nodes, 3])?)?;
+        let displacements = PyArray1::from_vec(py, moved.displacements);
+        arrays.set_item("displacement_m", displacements.reshape([instants, nodes, 3])?)?;
+        Ok((moved.body, arrays, moved.figure.map(PyFigure::from)))
+    };
+    let meshes = motions.into_iter().map(mesh).collect::<PyResult<_>>()?;
     Ok((
         json::to_python(py, &summary)?,
         shown(history)?,
         frf,
         cells,
+        cells_history.map(shown).transpose()?,
+        meshes,
         paths.map(PyFigure::from),
         warnings,
     ))

@@ -69,7 +69,33 @@ def test_a_hit_has_its_cells(tmp_path: Path) -> None:
     assert found.summary["cells"][0]["cells"] == 2
     assert found.summary["fundamental"]["frequency_hz"] == pytest.approx(frequencies()[0], rel=0.02)
     assert "top:displacement_m" in found.history
+    # Both cells have one pressure, so that none is the highest; there is no mesh.
+    assert found.cells_history is None and found.cells_history_figure is None
+    assert found.motions == {}
     assert found == copy.deepcopy(found)
+
+
+def test_meshes_and_cells_are_recorded(tmp_path: Path) -> None:
+    content = document(tmp_path)
+    (tmp_path / "chain.inp").write_text("*NODE\n1,0,0,0.2\n2,0,0,0.1\n")
+    content["bodies"][0]["mesh"] = "chain.inp"
+    content["output"] = {"instants_s": [1e-3, 2e-3], "cells": {"patch": ["1"]}}
+    found = asperity.Scenario(content, folder=tmp_path).simulate()
+    motion = found.motions["chain"]
+    assert motion.node.tolist() == [1, 2]
+    assert motion.place_m.tolist() == [[0, 0, 0.2], [0, 0, 0.1]]
+    assert motion.displacement_m.shape == (2, 2, 3)
+    assert motion.figure is None
+    samples = np.searchsorted(found.history["time_s"], motion.time_s - 1e-9)
+    top = found.history["top:displacement_m"][samples]
+    assert -motion.displacement_m[:, 0, 2] == pytest.approx(top, rel=1e-9)
+    assert found.cells_history is not None and found.cells_history_figure is not None
+    closure = found.cells_history["patch:1:closure_m"]
+    foot = motion.displacement_m[:, 1, 2]
+    assert closure[samples] - closure[0] == pytest.approx(-foot, rel=1e-6)
+    content["output"]["cells"] = {"patch": ["7"]}
+    with pytest.raises(ValueError, match='"patch" has no cell "7"'):
+        asperity.Scenario(content, folder=tmp_path).simulate()
 
 
 def test_steady_responses_have_cells(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 //! Scenario of a structure given by matrices of a finite-element program, and by bars beside them.
 
+use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use asperity_law::{ContactDampingSpec, LawRef, Laws};
@@ -66,6 +67,9 @@ pub struct StructureScenario {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-6, max = 0.1))]
     pub accuracy: Option<f64>,
+    /// Instants of a response that are shown on meshes, and cells that are recorded over time.
+    #[serde(default, skip_serializing_if = "OutputSpec::is_default")]
+    pub output: OutputSpec,
 }
 
 impl StructureScenario {
@@ -74,6 +78,27 @@ impl StructureScenario {
         let cells = self.interfaces.iter().filter_map(|patch| patch.cells.as_deref());
         let loads = self.loads.iter().filter_map(|load| load.file.as_deref());
         self.bodies.iter().flat_map(StructureBodySpec::files).chain(cells).chain(loads)
+    }
+}
+
+/// Instants of a response that are shown on meshes, and cells that are recorded over time.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OutputSpec {
+    /// Times in s at which the motion of meshes and the pressures of cells are written, each at the nearest sample; six
+    /// in the first period of the lowest natural frequency when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(max = 1000), inner(range(min = 0.0)))]
+    pub instants_s: Option<Vec<f64>>,
+    /// Names of cells that are recorded over time, by the name of their interface; of an interface that is left out, the
+    /// cells of the highest and the lowest pressure at rest.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub cells: BTreeMap<String, Vec<String>>,
+}
+
+impl OutputSpec {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
     }
 }
 

@@ -2,8 +2,8 @@
 
 use asperity_scenario::{Document, StructureScenario};
 use asperity_simulation::patches::{
-    CellSummary, PatchStructure, PatchSummary, assemble_patches, patch_grid, patch_maps,
-    simulate_patches,
+    CellSummary, PatchRun, PatchStructure, PatchSummary, assemble_patches, patch_grid, patch_maps,
+    simulate_patches, time_series,
 };
 use serde_json::json;
 
@@ -41,12 +41,59 @@ pub(super) fn simulate(
     write_run(&folder, &found.run, record, magnitude)?;
     folder.write("cells.csv", found.cells_table().to_csv())?;
     write_maps(&folder, &scenario, &found.run.assembly.structure, document)?;
+    write_cell_histories(&folder, &found)?;
+    write_motion(&folder, &scenario, &found, document)?;
     let summary = found.summary();
     let folder = folder.finish("summary.json", &json!(summary), output.json)?;
     if !output.json && !quiet {
         answer!("{}", asperity_plot::run_words(&summary.summary));
         answer!("{}", cells_in_words(&summary, &found.cells));
         answer_line!("written to {}", folder.display());
+    }
+    Ok(())
+}
+
+/// Pressure, closure and stiffness of recorded cells over time, with a figure.
+fn write_cell_histories(folder: &ResultFolder, found: &PatchRun) -> Result<(), Failure> {
+    if let Some(table) = found.cell_history_csv() {
+        folder.write("cells-history.csv", table)?;
+    }
+    if let Some(figure) = asperity_plot::cell_histories(found) {
+        folder.draw("cells-history", &figure)?;
+    }
+    Ok(())
+}
+
+/// Motion of each mesh at the instants of a run, as a figure, a universal file and grids of `ParaView`, with the pressures of
+/// cells and a time series of all.
+fn write_motion(
+    folder: &ResultFolder,
+    scenario: &StructureScenario,
+    found: &PatchRun,
+    document: &Document,
+) -> Result<(), Failure> {
+    let mut instants: Vec<(f64, Vec<String>)> =
+        found.states.iter().map(|state| (state.time, Vec::new())).collect();
+    let motions = found.mesh_motions(scenario, document.folder())?;
+    for (body, motion) in (1..).zip(&motions) {
+        if let Some(figure) = asperity_plot::mesh_motion(motion) {
+            folder.draw(&format!("motion-{body}"), &figure)?;
+        }
+        folder.write(&format!("motion-{body}.unv"), motion.universal_file())?;
+        for (number, (grid, (_, files))) in (1..).zip(motion.grids().zip(&mut instants)) {
+            let name = format!("motion-{body}-{number}.vtu");
+            folder.write(&name, grid)?;
+            files.push(name);
+        }
+    }
+    let cells = found.cell_grids(scenario, document.folder())?;
+    for (number, (grid, (_, files))) in (1..).zip(cells.iter().zip(&mut instants)) {
+        let name = format!("cells-{number}.vtu");
+        folder.write(&name, grid)?;
+        files.push(name);
+    }
+    if instants.iter().any(|(_, files)| !files.is_empty()) {
+        folder.write("motion.pvd", time_series(&instants))?;
     }
     Ok(())
 }

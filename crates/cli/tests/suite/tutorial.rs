@@ -33,7 +33,7 @@ fn the_tutorial_of_finite_elements_prints_what_it_says() {
     }
     let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/tutorial/finite-elements.md");
     let commands = commands(&std::fs::read_to_string(Path::new(page)).unwrap());
-    assert_eq!(commands.len(), 6);
+    assert_eq!(commands.len(), 7);
     let is_long = std::env::var_os("ASPERITY_LONG").is_some();
     for (words, expected) in commands {
         if LONG.contains(&words[1].as_str()) && !is_long {
@@ -51,4 +51,18 @@ fn the_tutorial_of_finite_elements_prints_what_it_says() {
     for frequency in ["226.6 Hz", "710.9 Hz", "989.6 Hz", "1702.8 Hz", "Motion over largest"] {
         assert!(shapes.contains(frequency), "{frequency}");
     }
+    // Six instants, each with its time, and a time series of files that are there.
+    let read =
+        |name: &str| std::fs::read_to_string(folder.path().join("out/hit").join(name)).unwrap();
+    let motion = read("motion-1.svg");
+    assert_eq!(motion.matches(" ms<").count(), 6);
+    assert!(motion.contains("Displacement (µm)"));
+    let series = read("motion.pvd");
+    let files = series.split("file=\"").skip(1).map(|rest| rest.split('"').next().unwrap());
+    assert_eq!(files.clone().count(), 12);
+    for file in files {
+        assert!(read(file).contains("<VTKFile type=\"UnstructuredGrid\""), "{file}");
+    }
+    assert!(read("cells-history.svg").contains("Closure of cell (µm)"));
+    assert!(read("cells-history.csv").starts_with("time_s,lap:3:pressure_pa,lap:3:closure_m,"));
 }

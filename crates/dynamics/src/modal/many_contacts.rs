@@ -37,9 +37,10 @@ use faer::Mat;
 use crate::contact_energy::excess;
 use crate::error::{balanced, check_modal_damping};
 use crate::run_bounds::check_many_contacts;
-use crate::{ContactExtremes, DynamicsError, EnergyLedger, History, Sampling, Transient};
+use crate::{DynamicsError, EnergyLedger, History, Sampling, Transient};
 use contact_factor::{Work, dot, times};
 use contact_forces::ContactForces;
+pub use observation::{ContactsResponse, ContactsState};
 use run_parts::{Extremes, Residual, SteppedMode};
 
 /// Most contacts.
@@ -101,6 +102,8 @@ pub struct ManyContacts {
     forces: ContactForces,
     /// Contacts whose means over their area are recorded together.
     groups: Vec<Range<usize>>,
+    /// Samples, ascending, at which the state is kept.
+    instants: Vec<usize>,
 }
 
 impl ManyContacts {
@@ -133,13 +136,21 @@ impl ManyContacts {
         }
         let forces = ContactForces::new(structure.contacts());
         let groups = (0..count).map(|contact| contact..contact + 1).collect();
-        Ok(Self { structure, load, sensors, forces, groups })
+        Ok(Self { structure, load, sensors, forces, groups, instants: Vec::new() })
     }
 
     /// The same with one interface of the history for each range of contacts, with means over their area.
     #[must_use]
     pub fn with_groups(self, groups: Vec<Range<usize>>) -> Self {
         Self { groups, ..self }
+    }
+
+    /// The same with the [state](ContactsState) kept at these samples, in any order; those beyond a response have none.
+    #[must_use]
+    pub fn with_instants(self, mut instants: Vec<usize>) -> Self {
+        instants.sort_unstable();
+        instants.dedup();
+        Self { instants, ..self }
     }
 
     /// The structure with its contacts at rest.
@@ -162,34 +173,21 @@ impl ManyContacts {
         sampling: &Sampling,
         parts: usize,
     ) -> Result<Transient, DynamicsError> {
-        self.integrate_groups(load, sampling, parts).map(|(transient, _)| transient)
+        let found = self.integrate_unless(load, sampling, parts, &AtomicBool::new(false))?;
+        Ok(found.transient)
     }
 
-    /// As [`integrate`](Self::integrate), with the extremes of each contact beside the response, whose
-    /// own are of the means of groups: a group is lost while all of its contacts are.
-    ///
-    /// # Errors
-    /// Those of [`integrate`](Self::integrate).
-    pub fn integrate_groups(
-        &self,
-        load: &LoadCase,
-        sampling: &Sampling,
-        parts: usize,
-    ) -> Result<(Transient, Vec<ContactExtremes>), DynamicsError> {
-        self.integrate_groups_unless(load, sampling, parts, &AtomicBool::new(false))
-    }
-
-    /// As [`integrate_groups`](Self::integrate_groups); once `stop` is set, it ends before the next sample.
+    /// As [`integrate`](Self::integrate), with contacts one by one; once `stop` is set, it ends before the next sample.
     ///
     /// # Errors
     /// Those of [`integrate`](Self::integrate), and [`DynamicsError::Stopped`].
-    pub fn integrate_groups_unless(
+    pub fn integrate_unless(
         &self,
         load: &LoadCase,
         sampling: &Sampling,
         parts: usize,
         stop: &AtomicBool,
-    ) -> Result<(Transient, Vec<ContactExtremes>), DynamicsError> {
+    ) -> Result<ContactsResponse, DynamicsError> {
         load.check()?;
         if parts == 0 {
             let (quantity, accepted) = ("number of steps between samples", "at least 1");
@@ -201,11 +199,17 @@ impl ManyContacts {
         let mut run = Run::new(self, load, step);
         let samples = sampling.samples();
         let mut history = History::with_capacity(samples, self.sensors.len(), self.groups.len());
+        let mut instants = self.instants.iter().peekable();
+        let mut states = Vec::with_capacity(self.instants.len());
         for sample in 0..samples {
             if stop.load(Ordering::Relaxed) {
                 return Err(DynamicsError::Stopped { steps: sample * parts });
             }
-            run.record(sample as f64 * sampling.interval(), &mut history);
+            let time = sample as f64 * sampling.interval();
+            run.record(time, &mut history);
+            if instants.next_if_eq(&&sample).is_some() {
+                states.push(run.state(time));
+            }
             for part in 1..=parts {
                 run.advance((sample * parts + part) as f64 * step)?;
             }
@@ -214,8 +218,10 @@ impl ManyContacts {
         let energy = run.energy();
         balanced(energy.residual_relative(), step, "step")?;
         let finished = |all: &[Extremes]| all.iter().map(|one| one.finished(steps)).collect();
-        let (contacts, cells) = (finished(&run.group_extremes), finished(&run.extremes));
-        Ok((Transient { step, steps, history, contacts, energy }, cells))
+        let contacts = finished(&run.extremes);
+        let groups = finished(&run.group_extremes);
+        let transient = Transient { step, steps, history, contacts: groups, energy };
+        Ok(ContactsResponse { transient, contacts, states })
     }
 }
 

@@ -298,6 +298,6 @@ fn open_contacts_are_refused_by_the_vector_kernel() {
 fn a_stopped_run_takes_no_steps() {
     let system = ManyContacts::new(reduced(&rig(&every_law()[0].1), 4), 0, vec![0]).unwrap();
     let sampling = Sampling::new(4e-3, 2e5).unwrap();
-    let found = system.integrate_groups_unless(&pulse(9.0), &sampling, 4, &AtomicBool::new(true));
+    let found = system.integrate_unless(&pulse(9.0), &sampling, 4, &AtomicBool::new(true));
     assert!(matches!(found, Err(DynamicsError::Stopped { steps: 0 })), "{found:?}");
 }

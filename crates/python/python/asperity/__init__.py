@@ -26,7 +26,7 @@ from ._law import (
 )
 from ._matrices import write_matrices
 from ._measurement import read, to_sep005, write
-from ._simulate import Simulation, simulate
+from ._simulate import MeshMotion, Simulation, simulate
 from ._steady import Modes, SteadyResponses, modes, steady
 from ._study import Study, study
 from ._sweep import Sweep, sweep
@@ -45,6 +45,7 @@ __all__ = [
     "JudgementWarning",
     "Law",
     "LawTables",
+    "MeshMotion",
     "Modes",
     "NoticeWarning",
     "PowerFit",

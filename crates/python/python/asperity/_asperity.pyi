@@ -395,6 +395,8 @@ def simulate(
     tuple[_Numbers, Figure],
     tuple[_Numbers, Figure] | None,
     _Columns | None,
+    tuple[_Numbers, Figure] | None,
+    list[tuple[str, dict[str, NDArray[Any]], Figure | None]],
     Figure | None,
     list[tuple[str, str]],
 ]: ...

@@ -7,12 +7,40 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from . import _asperity
 from ._result import Result
 from ._table import Table
 from ._warning import tell
 
 ScenarioLike = _asperity.Scenario | str | os.PathLike[str] | dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class MeshMotion(Result):
+    """Motion of the mesh of a body at instants of a response.
+
+    Attributes
+    ----------
+    time_s : ndarray
+        Time of each instant.
+    node : ndarray
+        Number of each node, ascending.
+    place_m : ndarray
+        Places of the nodes, nodes by 3.
+    displacement_m : ndarray
+        Displacements of the nodes from rest, instants by nodes by 3.
+    figure : Figure or None
+        The mesh at up to six of the instants, as in ``motion-1.svg``; None without elements.
+    """
+
+    time_s: NDArray[np.float64]
+    node: NDArray[np.int64]
+    place_m: NDArray[np.float64]
+    displacement_m: NDArray[np.float64]
+    figure: _asperity.Figure | None = field(repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,10 +62,19 @@ class Simulation(Result):
     cells : Table or None
         A row for each cell of the patches of a structure of matrices, as in ``cells.csv``: pressure at rest, gap,
         extremes of the pressure, time without contact; None for bars.
+    cells_history : Table or None
+        Cells of the patches over time, as in ``cells-history.csv``: ``time_s``, and ``INTERFACE:CELL:pressure_pa``,
+        ``INTERFACE:CELL:closure_m`` and ``INTERFACE:CELL:stiffness_pa_per_m`` of the cells in the ``output`` of
+        the scenario; None without such cells.
+    motions : dict of MeshMotion
+        Motion of the mesh of each body that has one at the instants in the ``output`` of the scenario, by the
+        name of the body; empty for bars.
     history_figure : Figure
         The response over time, as in ``history.svg``.
     frf_figure : Figure or None
         The receptance, as in ``frf.svg``; None without a force.
+    cells_history_figure : Figure or None
+        Pressure and closure of the cells over time, as in ``cells-history.svg``; None without such cells.
     pressure_closure_figure : Figure or None
         Traction of each contact over its closure, with its law, as in ``pressure-closure.svg``; None without contacts.
     """
@@ -46,8 +83,11 @@ class Simulation(Result):
     history: Table
     frf: Table | None
     cells: Table | None
+    cells_history: Table | None
+    motions: dict[str, MeshMotion]
     history_figure: _asperity.Figure = field(repr=False)
     frf_figure: _asperity.Figure | None = field(repr=False)
+    cells_history_figure: _asperity.Figure | None = field(repr=False)
     pressure_closure_figure: _asperity.Figure | None = field(repr=False)
 
     def _repr_html_(self) -> str:
@@ -88,10 +128,21 @@ def simulate(
         If the integration fails.
     """
     found = _asperity.simulate(scenario, progress)
-    summary, (history, history_figure), frf, cells, paths, doubts = found
+    summary, (history, history_figure), frf, cells, over_time, meshes, paths, doubts = found
     tell(doubts)
     receptance, frf_figure = (None, None) if frf is None else (Table(frf[0]), frf[1])
     of_cells = None if cells is None else Table(cells)
+    recorded, recorded_figure = (None, None) if over_time is None else (Table(over_time[0]), over_time[1])
+    motions = {body: MeshMotion(**arrays, figure=figure) for body, arrays, figure in meshes}
     return Simulation(
-        summary, Table(history), receptance, of_cells, history_figure, frf_figure, paths
+        summary,
+        Table(history),
+        receptance,
+        of_cells,
+        recorded,
+        motions,
+        history_figure,
+        frf_figure,
+        recorded_figure,
+        paths,
     )

@@ -1,11 +1,13 @@
-//! Maps of contact patches: where cells are, with their pressures and gaps at rest.
+//! Maps of contact patches: where cells are, with their pressures and gaps.
 
 use std::path::Path;
 
+use asperity_dynamics::ContactsState;
 use asperity_matrices::{ContactCell, Deck, VtuGrid};
 use asperity_scenario::{PatchSpec, StructureScenario};
 
 use super::body::read_deck;
+use super::ports::Patch;
 use super::structure::PatchStructure;
 use crate::error::SimulationError;
 
@@ -18,20 +20,32 @@ pub struct PatchMap {
     pub cells: Vec<CellPlace>,
 }
 
-/// A cell, its place and its state at rest.
+/// A cell, its place and its state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellPlace {
     /// Polygons that cover the cell \[m\]; its centre alone for a cell of a file.
     pub polygons: Vec<Vec<[f64; 3]>>,
     /// Area \[m2\].
     pub area_m2: f64,
-    /// Pressure at rest \[Pa\].
+    /// Pressure \[Pa\].
     pub pressure_pa: f64,
-    /// Distance from first contact at rest \[m\]; zero for a closed cell.
+    /// Distance from first contact \[m\]; zero for a closed cell.
     pub gap_m: f64,
 }
 
-/// Maps of the patches whose cells have places: those between surfaces, and those of files whose bodies have a mesh, at the
+impl PatchMap {
+    /// The map of a patch at an instant.
+    pub(super) fn at(&self, patch: &Patch, state: &ContactsState) -> Self {
+        let cells = self.cells.iter().zip(patch.cells.clone()).map(|(cell, i)| CellPlace {
+            pressure_pa: state.pressures[i],
+            gap_m: state.gaps[i],
+            ..cell.clone()
+        });
+        Self { name: self.name.clone(), cells: cells.collect() }
+    }
+}
+
+/// Maps at rest of the patches whose cells have places: those between surfaces, and those of files whose bodies have a mesh, at the
 /// mean place of their nodes. The files of `scenario` are looked for in `folder`.
 ///
 /// # Errors

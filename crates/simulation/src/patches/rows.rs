@@ -9,8 +9,8 @@ use asperity_mesh::Port;
 use asperity_scenario::StructureScenario;
 use rayon::prelude::*;
 
-use super::run::{PatchSystem, RefinedPatchResponse};
 use super::structure::ReducedStructures;
+use super::system::{PatchSystem, RefinedPatchResponse};
 use crate::assemble::load_case_at;
 use crate::error::SimulationError;
 use crate::observables::Observables;

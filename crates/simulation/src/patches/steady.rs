@@ -11,8 +11,9 @@ use asperity_harmonic::{
 use asperity_structure::{LoadCase, PreloadedContact, SteppedSine, TimeFunction};
 use asperity_table::DataTable;
 
-use super::run::system;
+use super::recording::Recording;
 use super::structure::PatchStructure;
+use super::system::system;
 use crate::assemble::Assembly;
 use crate::error::SimulationError;
 use crate::steady::{
@@ -89,7 +90,8 @@ struct Integration<'a> {
 impl<'a> Integration<'a> {
     /// The integration under forces up to the frequency `highest` \[Hz\].
     fn new(assembly: &'a Assembly<PatchStructure>, highest: f64) -> Result<Self, SimulationError> {
-        let system = system(assembly, Arc::clone(&assembly.structure.structure))?;
+        let system =
+            system(assembly, Arc::clone(&assembly.structure.structure), &Recording::default())?;
         Ok(Self { assembly, system, sample_rate: SAMPLES as f64 * highest })
     }
 

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_dynamics::{Integrator, Sampling};
-use asperity_mesh::{ComponentModes, Port, PortPattern, ReducedBody, RowShapes};
+use asperity_dynamics::{ContactsState, Integrator, Sampling};
+use asperity_mesh::{ComponentModes, Port, PortPattern, ReducedBody, RowShapes, massless_forces};
 use asperity_scenario::{Along, DampingSpec, SensorSpec, StructureBodySpec, StructureScenario};
 use asperity_structure::{
     PreloadedContact, PreloadedStructure, StaticState, StructureError, static_state,
@@ -39,14 +39,16 @@ pub struct PatchStructure {
     pub rigid_motions: Vec<usize>,
     /// Static displacement of each sensor by all loads \[m\].
     pub static_displacements: Vec<f64>,
-    pub(super) static_motion: StaticMotion,
+    /// The rest as a motion of each body by all loads.
+    pub(super) rest: Vec<BodyMotion>,
     /// Ports of each body.
     pub(super) own_ports: Vec<Vec<usize>>,
 }
 
-/// The rest as a motion: displacements of the modes kept \[m kg^1/2\], and forces at all ports \[N\].
+/// Displacements of the modes kept of a body \[m kg^1/2\], and the static forces at its ports that bend it as much as the modes
+/// left out are \[N\].
 #[derive(Debug, Clone)]
-pub(super) struct StaticMotion {
+pub(super) struct BodyMotion {
     pub(super) coordinates: Vec<f64>,
     pub(super) port_forces: Vec<f64>,
 }
@@ -78,6 +80,34 @@ impl PatchStructure {
             natural_frequency_hz: self.structure.natural_frequency(),
             interfaces: self.patches.iter().zip(&self.interfaces).map(interface).collect(),
         }
+    }
+
+    /// The motion of each body at an instant, from rest and relative to the base.
+    pub(super) fn motions(&self, state: &ContactsState) -> Vec<BodyMotion> {
+        let component = self.structure.component_modes();
+        let mut forces = vec![0.0; component.ports()];
+        forces[self.load] += state.load;
+        for (pair, force) in component.contacts().iter().zip(&state.forces) {
+            forces[pair.upper] -= force;
+            if let Some(lower) = pair.lower {
+                forces[lower] += force;
+            }
+        }
+        let mut modes = component.modes().iter().zip(&state.coordinates).peekable();
+        let bodies = self.modes_per_body.iter().zip(&self.own_ports);
+        let motion = |(&count, own): (&usize, &Vec<usize>)| {
+            let coordinates = modes.by_ref().take(count).map(|(_, q)| *q).collect();
+            // Of a body with retardation the modes left out follow behind the forces.
+            let (mut massless, mut behind) = (Vec::new(), Vec::new());
+            while let Some((mode, q)) = modes.next_if(|(mode, _)| mode.massless) {
+                massless.push(mode);
+                behind.push(*q);
+            }
+            let all =
+                if massless.is_empty() { &forces } else { &massless_forces(&massless, &behind) };
+            BodyMotion { coordinates, port_forces: own.iter().map(|&port| all[port]).collect() }
+        };
+        bodies.map(motion).collect()
     }
 }
 
@@ -164,10 +194,15 @@ impl ReducedStructure {
         let displacement = |&port: &usize| state.displacement(&modes, port);
         let static_displacements = ports.sensors.iter().map(displacement).collect();
         let StaticState { contacts, coordinates, port_forces } = state;
+        let modes_per_body: Vec<usize> =
+            bodies.iter().map(|body| body.angular_frequencies.len()).collect();
         let inert = modes.modes().iter().zip(coordinates).filter(|(mode, _)| !mode.massless);
-        let static_motion =
-            StaticMotion { coordinates: inert.map(|(_, q)| q).collect(), port_forces };
-        let modes_per_body = bodies.iter().map(|body| body.angular_frequencies.len()).collect();
+        let mut inert = inert.map(|(_, q)| q);
+        let rest = modes_per_body.iter().zip(own).map(|(&count, own)| BodyMotion {
+            coordinates: inert.by_ref().take(count).collect(),
+            port_forces: own.iter().map(|&port| port_forces[port]).collect(),
+        });
+        let rest = rest.collect();
         let rigid_motions = bodies.iter().map(ReducedBody::rigid_count).collect();
         let structure = PreloadedStructure::of_components(modes, contacts, damping)?;
         let interfaces = ports.patches.iter().map(|patch| whole(patch, structure.contacts()));
@@ -180,7 +215,7 @@ impl ReducedStructure {
             modes_per_body,
             rigid_motions,
             static_displacements,
-            static_motion,
+            rest,
             own_ports: own.clone(),
         };
         let direction = base_direction(scenario)?;

@@ -11,6 +11,7 @@ mod brake_reuss;
 mod bricks;
 mod contact_path;
 mod finite_elements;
+mod instants;
 mod many_cells;
 mod ports;
 mod samples;

@@ -17,10 +17,10 @@ use asperity_simulation::steady::{BodyModel, SteadyRequest, steady, steady_table
 
 /// Mass \[kg\] and stiffness \[N/m\] of a chain.
 const MASS: f64 = 0.5;
-const STIFFNESS: f64 = 2e6;
+pub(crate) const STIFFNESS: f64 = 2e6;
 
 /// Files of free chains `a`, `b` of masses along x, with springs between neighbours, and a cell under node 1 of `a`.
-fn write_chains(folder: &Path, counts: [usize; 2]) {
+pub(crate) fn write_chains(folder: &Path, counts: [usize; 2]) {
     for (name, count) in ["a", "b"].into_iter().zip(counts) {
         let (mut stiffness, mut mass, mut rows) = (String::new(), String::new(), String::new());
         for node in 1..=count {
@@ -42,7 +42,7 @@ fn write_chains(folder: &Path, counts: [usize; 2]) {
 }
 
 /// A chain on a contact of constant stiffness under its first node; `more` adds keys.
-fn scenario(bodies: &[&str], cells: &str, more: &str) -> String {
+pub(crate) fn scenario(bodies: &[&str], cells: &str, more: &str) -> String {
     let body = |name: &&str| {
         format!(
             r#"{{"name": "{name}", "matrices": {{"format": "calculix", "stiffness": "{name}.sti", "mass": "{name}.mas", "rows": "{name}.dof"}}}}"#

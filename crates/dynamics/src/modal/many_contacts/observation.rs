@@ -5,7 +5,35 @@ use std::ops::Range;
 use super::Run;
 use super::contact_factor::dot;
 use super::run_parts::share_below_zero;
-use crate::History;
+use crate::{ContactExtremes, History, Transient};
+
+/// A response with its contacts one by one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactsResponse {
+    /// The response. Its extremes are of the means of groups: a group is lost while all of its contacts are.
+    pub transient: Transient,
+    /// Extremes of each contact.
+    pub contacts: Vec<ContactExtremes>,
+    /// States at the [instants](super::ManyContacts::with_instants).
+    pub states: Vec<ContactsState>,
+}
+
+/// State of a structure with many contacts at an instant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactsState {
+    /// Time \[s\].
+    pub time: f64,
+    /// Load at its port \[N\], or acceleration of the base \[m/s2\].
+    pub load: f64,
+    /// Displacement of each component mode from rest \[m kg^1/2\].
+    pub coordinates: Vec<f64>,
+    /// Force of each contact beyond the force at rest, positive in compression, with its viscous part \[N\].
+    pub forces: Vec<f64>,
+    /// Pressure of each contact by its law \[Pa\].
+    pub pressures: Vec<f64>,
+    /// Distance of each contact from first contact \[m\]; zero for a closed one.
+    pub gaps: Vec<f64>,
+}
 
 impl Run<'_> {
     /// Takes the end of a step into the extremes; contact is lost from where a line between both ends
@@ -86,6 +114,24 @@ impl Run<'_> {
         }
         for (group, interface) in self.system.groups.iter().zip(&mut history.interfaces) {
             interface.push(self.group(group));
+        }
+    }
+
+    /// The state at `time` \[s\].
+    pub(super) fn state(&self, time: f64) -> ContactsState {
+        let (laws, contacts) = (&self.system.forces, self.system.structure.contacts());
+        let pressure = |i: usize| {
+            let pressure = contacts[i].pressure() + self.law_forces[i] / contacts[i].area();
+            pressure.max(laws.lowest(i))
+        };
+        let gap = |i: usize| laws.lost_at(i).map_or(0.0, |lost| (lost - self.closures[i]).max(0.0));
+        ContactsState {
+            time,
+            load: self.load_value,
+            coordinates: self.displacement.clone(),
+            forces: self.forces.clone(),
+            pressures: (0..contacts.len()).map(pressure).collect(),
+            gaps: (0..contacts.len()).map(gap).collect(),
         }
     }
 }
