@@ -102,18 +102,15 @@ pub(super) fn posterior_of(
     forward: &ScenarioModel,
     best: &Fit<'_>,
     (linearisation, covariance, profiles): (&Linearisation, &Covariance, &[Profile]),
-    noise_factor: f64,
+    options: &PosteriorOptions,
 ) -> Result<(Posterior, Option<FreeLawFindings>), IdentificationError> {
     let spec = &problem.spec;
     let parameters = &forward.parameters;
     let (Some((first, law)), Some(prior)) = (&parameters.free, parameters.latent_prior()?) else {
-        let options = posterior_options(problem, false);
-        return Ok((best.posterior(covariance, profiles, &options)?, None));
+        return Ok((best.posterior(covariance, profiles, options)?, None));
     };
-    let options = posterior_options(problem, true);
     // The model's standard deviations are scaled already.
-    debug_assert!(noise_factor >= 1.0);
-    let found = best.latent_posterior(linearisation, 1.0, &prior, &options)?;
+    let found = best.latent_posterior(linearisation, 1.0, &prior, options)?;
     let shares = found.component_probabilities(&prior);
     let grid = &law.components;
     let tail = 0.5 * (1.0 - spec.level);

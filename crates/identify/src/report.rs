@@ -431,6 +431,7 @@ fn termination_text(termination: FitTermination) -> &'static str {
         FitTermination::SmallGradient => "no direction lowers the cost",
         FitTermination::SmallReduction => "the cost no longer falls",
         FitTermination::SmallStep => "the steps are too short",
+        FitTermination::SlowReduction => "it fell too slowly, far from the data",
         FitTermination::IterationLimit => "the iterations were used up",
         FitTermination::NoReduction => "no step lowers the cost",
         FitTermination::NoPrediction => "the start cannot be run",

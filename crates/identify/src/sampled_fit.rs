@@ -12,7 +12,7 @@ use crate::correlation::correlation_factor;
 use crate::error::IdentificationError;
 use crate::hit_numerics::{FeatureErrors, HitNumerics, numerics_at};
 use crate::identification_problem::IdentificationProblem;
-use crate::latent_sampling::{FreeLawFindings, posterior_of, profiles};
+use crate::latent_sampling::{FreeLawFindings, posterior_of, posterior_options, profiles};
 use crate::problem::NoiseSpec;
 use crate::scenario_model::ScenarioModel;
 use crate::unfinished::Unfinished;
@@ -70,32 +70,35 @@ pub(super) fn sampled_fit(
     let own = own_fit(problem, forward, unfinished, progress)?;
     problem.work.found();
     let own = continued(problem, (forward, about), own, progress)?;
-    let mut found = sampled_from(problem, (forward, about), own, unfinished, progress)?;
-    for _ in 0..MOST_REPEATED {
-        let Some(better) = found.better.take() else { break };
+    let (mut own, mut left) = (own, MOST_REPEATED);
+    loop {
+        // The last draws are of the fit as it is, whatever is lower.
+        let ends_at_lower = left > 0;
+        let sampled =
+            sampled_from(problem, (forward, about), (own, ends_at_lower), unfinished, progress);
+        let mut found = sampled?;
+        let Some(better) = found.better.take().filter(|_| ends_at_lower) else { return Ok(found) };
         problem.work.repeat();
         let start = found.own.clone().with_start(better);
         let again = refit_with_progress(forward, &start, progress).map(Fit::into_solution);
         let again = again
             .map_err(IdentificationError::from)
-            .and_then(|own| at_held_steps(problem, forward, own, progress))
-            .and_then(|own| sampled_from(problem, (forward, about), own, unfinished, progress));
-        match again {
-            Ok(again) if again.own.cost > found.own.cost => break,
-            Ok(again) => found = again,
+            .and_then(|own| at_held_steps(problem, forward, own, progress));
+        (own, left) = match again {
+            Ok(again) if again.cost > found.own.cost => (found.own, 0),
+            Ok(again) => (again, left - 1),
             // What was finished before a request to stop is kept.
-            Err(_) if problem.work.is_stopped() => break,
+            Err(_) if problem.work.is_stopped() => return Ok(found),
             Err(error) => return Err(error),
-        }
+        };
     }
-    Ok(found)
 }
 
-/// Uncertainty, profiles and posterior of a fit.
+/// Uncertainty, profiles and posterior of a fit; a posterior that `ends_at_lower` is one of few draws where one is better.
 fn sampled_from(
     problem: &IdentificationProblem,
     (forward, about): (&ScenarioModel, &[ObservationLabel]),
-    own: FitSolution,
+    (own, ends_at_lower): (FitSolution, bool),
     unfinished: &Unfinished,
     progress: &ProgressCallback<'_>,
 ) -> Result<SampledFit, IdentificationError> {
@@ -123,15 +126,24 @@ fn sampled_from(
         return Err(unfinished.stopped(WorkStage::Profiles, fit, covariance, Vec::new(), laws));
     }
     work.begin(WorkStage::Posterior);
+    let is_free = forward.parameters.free.is_some();
+    let disagrees = goodness.agreement() == Agreement::None;
+    let mut options = posterior_options(problem, is_free);
+    // A free law that agrees with its data has another prior in its draws.
+    options.ends_at_lower = ends_at_lower && (disagrees || !is_free);
+    if disagrees {
+        // A law that is not to be used needs no more draws.
+        options.most_times = 0;
+    }
     let sampled =
-        posterior_of(problem, forward, &best, (&linearisation, &covariance, &profiles), factor);
+        posterior_of(problem, forward, &best, (&linearisation, &covariance, &profiles), &options);
     if work.is_stopped() {
         let (fit, covariance) = (best.into_solution(), Some(covariance));
         return Err(unfinished.stopped(WorkStage::Posterior, fit, covariance, profiles, laws));
     }
     let better = match &sampled {
         Ok((posterior, None)) => best.better_draw(posterior).map(<[f64]>::to_vec),
-        Ok((posterior, Some(_))) if goodness.agreement() == Agreement::None => {
+        Ok((posterior, Some(_))) if disagrees => {
             best.better_latent_draw(posterior).map(<[f64]>::to_vec)
         }
         _ => None,

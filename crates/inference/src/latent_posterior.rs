@@ -100,7 +100,9 @@ impl Fit<'_> {
         let problem = self.subspace_problem(&model, noise_factor)?;
         let whitening = whitening(&at, &model, &problem, noise_factor)?;
         let target = LatentTarget { model: &model, whole: &self.problem, seed: options.seed };
-        let found = by_surrogate(&problem, &target, whitening, &[], options, self.progress)?;
+        let is_lower = |values: &[f64], found: &Predictions| self.is_lower_latent(values, found);
+        let found =
+            by_surrogate((&problem, &is_lower), &target, whitening, &[], options, self.progress)?;
         let mut posterior = found.posterior;
         let components = posterior.draws.iter().zip(&found.numbers).map(|(draw, &number)| {
             let (_, z) = model.split(draw);

@@ -21,7 +21,7 @@ pub use chains::PosteriorDiagnostics;
 use chains::{chain_diagnostics, spread};
 pub use cost::SurfaceCost;
 use on_surface::AsItIs;
-pub(crate) use on_surface::{SurfaceTarget, by_surrogate};
+pub(crate) use on_surface::{IsLower, SurfaceTarget, by_surrogate};
 pub use options::{PosteriorMethod, PosteriorOptions};
 pub use summary::{CredibleBand, Posterior};
 
@@ -88,7 +88,9 @@ impl Fit<'_> {
         let whitening = Whitening::of(covariance);
         let mut found = match options.method {
             PosteriorMethod::Surrogate => {
-                by_surrogate(&problem, &AsItIs, whitening, profiles, options, self.progress)
+                let is_lower = |values: &[f64], found: &Predictions| self.is_lower(values, found);
+                let problem = (&problem, &is_lower as &IsLower<'_>);
+                by_surrogate(problem, &AsItIs, whitening, profiles, options, self.progress)
                     .map(|found| found.posterior)
             }
             PosteriorMethod::Exact => exactly(&problem, &whitening, options, self.progress),
@@ -101,41 +103,61 @@ impl Fit<'_> {
     /// direction: the search then ended in a minimum that is not the lowest. Draws without a prediction that the fit has do
     /// not count.
     pub fn better_draw<'p>(&self, posterior: &'p Posterior) -> Option<&'p [f64]> {
-        let (draw, least) = self.least_draw(posterior, &|_| true)?;
-        (least < self.cost - LOWER).then_some(draw)
+        let (draw, predictions) = self.least_draw(posterior, &|_| true)?;
+        self.is_lower(draw, predictions).then_some(draw)
     }
 
     /// As [`better_draw`](Self::better_draw), without the priors of latents, which are not those of
     /// [`latent_posterior`](Self::latent_posterior): the draw of least cost, if it is lower by a tenth and by more than ten, which
     /// is more than another prior of latents explains.
     pub fn better_latent_draw<'p>(&self, posterior: &'p Posterior) -> Option<&'p [f64]> {
-        let is_no_latent = |parameter: &Parameter| !parameter.is_latent();
-        let x = self.problem.to_working(&self.point);
-        let own = self.problem.cost_of(&self.residuals, &x, &is_no_latent);
-        let (draw, least) = self.least_draw(posterior, &is_no_latent)?;
-        let [share, lower] = LATENT_LOWER;
-        (own - least > lower.max(share * own)).then_some(draw)
+        let (draw, predictions) = self.least_draw(posterior, &is_no_latent)?;
+        self.is_lower_latent(draw, predictions).then_some(draw)
     }
 
-    /// The draw of least cost with the priors of the parameters that count, and that cost.
+    fn is_lower(&self, draw: &[f64], predictions: &Predictions) -> bool {
+        let cost = self.cost_of_draw(draw, predictions, &|_| true);
+        cost.is_some_and(|cost| cost < self.cost - LOWER)
+    }
+
+    pub(crate) fn is_lower_latent(&self, draw: &[f64], predictions: &Predictions) -> bool {
+        let x = self.problem.to_working(&self.point);
+        let own = self.problem.cost_of(&self.residuals, &x, &is_no_latent);
+        let [share, lower] = LATENT_LOWER;
+        let cost = self.cost_of_draw(draw, predictions, &is_no_latent);
+        cost.is_some_and(|cost| own - cost > lower.max(share * own))
+    }
+
+    /// The draw of least cost with the priors of the parameters that count, and its predictions.
     fn least_draw<'p>(
         &self,
         posterior: &'p Posterior,
         counts: &dyn Fn(&Parameter) -> bool,
-    ) -> Option<(&'p [f64], f64)> {
-        let cost = |(draw, predictions): (&'p Vec<f64>, &Predictions)| {
-            let has_all = predictions.len() == self.predictions.len()
-                && predictions
-                    .iter()
-                    .zip(&self.predictions)
-                    .all(|(a, b)| a.is_some() || b.is_none());
-            let x = self.problem.to_working(draw);
-            let cost = self.problem.cost_of(&self.problem.residuals(predictions), &x, counts);
-            has_all.then_some((draw.as_slice(), cost))
-        };
-        let costs = posterior.draws.iter().zip(&posterior.predictions).filter_map(cost);
-        costs.min_by(|a, b| a.1.total_cmp(&b.1))
+    ) -> Option<(&'p [f64], &'p Predictions)> {
+        let draws = posterior.draws.iter().zip(&posterior.predictions);
+        let costs = draws.filter_map(|(draw, predictions)| {
+            Some((self.cost_of_draw(draw, predictions, counts)?, (draw.as_slice(), predictions)))
+        });
+        costs.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, least)| least)
     }
+
+    /// The cost of a draw with the priors of the parameters that count; none where it lacks a prediction that the fit has.
+    fn cost_of_draw(
+        &self,
+        draw: &[f64],
+        predictions: &Predictions,
+        counts: &dyn Fn(&Parameter) -> bool,
+    ) -> Option<f64> {
+        let mut pairs = predictions.iter().zip(&self.predictions);
+        let has_all = predictions.len() == self.predictions.len()
+            && pairs.all(|(a, b)| a.is_some() || b.is_none());
+        let x = self.problem.to_working(draw);
+        has_all.then(|| self.problem.cost_of(&self.problem.residuals(predictions), &x, counts))
+    }
+}
+
+fn is_no_latent(parameter: &Parameter) -> bool {
+    !parameter.is_latent()
 }
 
 /// Parameters whose draws leave out more than [`MAX_LEFT_OUT`] of their profile intervals.

@@ -25,6 +25,8 @@ pub enum FitTermination {
     IterationLimit,
     /// No step, however short, lowers the cost.
     NoReduction,
+    /// Far from its observations the cost falls too slowly to get there.
+    SlowReduction,
     /// The model has no predictions at the start.
     NoPrediction,
 }
@@ -56,6 +58,11 @@ const MOST_UPDATES: usize = 12;
 /// Expected reduction of the cost of a rejected step from which the end of a search is no minimum: that of a
 /// parameter off by a standard deviation. Errors of the predictions reject steps of less.
 const LARGEST_REJECTED: f64 = 0.5;
+/// Root mean square residual, in standard deviations, beyond which a gradual search is far from its observations, and the
+/// steps that have to lower its cost by a share there.
+const FAR: f64 = 3.0;
+const SLOW_STEPS: usize = 20;
+const LEAST_FALL: f64 = 0.1;
 /// Shortest step that updates the derivatives, over the step of difference derivatives: differences
 /// along shorter ones are of the order of the errors of the predictions.
 const LEAST_UPDATE: f64 = 0.5;
@@ -128,6 +135,8 @@ pub(crate) struct Search {
     lengthened: bool,
     /// Largest expected reduction of the steps that were rejected with these derivatives.
     rejected: f64,
+    /// Number of steps and cost from which on slow reduction counts; none before the first step.
+    mark: Option<(usize, f64)>,
     request: Request,
     pub(crate) iterations: usize,
     pub(crate) evaluations: usize,
@@ -155,6 +164,7 @@ impl Search {
             lengthened: false,
             growth: 2.0,
             rejected: 0.0,
+            mark: None,
             request: Request::Start,
             iterations: 0,
             evaluations: 0,
@@ -379,6 +389,10 @@ impl Search {
     }
 
     fn propose(&mut self, problem: &FitProblem<'_>, options: &FitOptions) {
+        if options.gradual && self.is_slow() {
+            self.termination = Some(FitTermination::SlowReduction);
+            return;
+        }
         let Some(linear) = &self.linear else { return };
         let room = self.room(problem, linear);
         while self.damping <= MAX_DAMPING {
@@ -404,6 +418,17 @@ impl Search {
             self.growth *= 2.0;
         }
         self.end(problem, options, FitTermination::NoReduction);
+    }
+
+    /// True if the cost has fallen by too little in the last steps to reach the observations, which are far.
+    fn is_slow(&mut self) -> bool {
+        let (begun, cost) = *self.mark.get_or_insert((self.iterations, self.cost));
+        if self.iterations < begun + SLOW_STEPS {
+            return false;
+        }
+        self.mark = Some((self.iterations, self.cost));
+        let squares = self.residuals.iter().map(|r| r * r).sum::<f64>();
+        squares > FAR * FAR * self.residuals.len() as f64 && self.cost > (1.0 - LEAST_FALL) * cost
     }
 
     /// Fall of the cost to a point. An observation with a prediction at one of the two points alone counts as

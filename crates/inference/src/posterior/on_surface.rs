@@ -33,8 +33,6 @@ const MOST_BELOW: f64 = 10.0;
 /// Effective draws for each coordinate, at least, of which the next surface is made.
 const LEAST_LOCALISED: f64 = 8.0;
 
-/// Most draws evaluated more where weights leave too few, over those asked for.
-const MOST_TIMES: usize = 10;
 /// Stream of the random numbers of resampling.
 const RESAMPLING: u64 = 0x5e1e;
 
@@ -106,9 +104,12 @@ struct Round {
     chains: Chains,
 }
 
-/// Draws of `exp(-cost)` times the factor of the target.
+/// True for the values of all parameters, and the predictions there, of a draw that ends the rounds.
+pub(crate) type IsLower<'a> = dyn Fn(&[f64], &Predictions) -> bool + 'a;
+
+/// Draws of `exp(-cost)` times the factor of the target; those of the first round with a draw that `is_lower`, if any.
 pub(crate) fn by_surrogate(
-    problem: &FitProblem<'_>,
+    (problem, is_lower): (&FitProblem<'_>, &IsLower<'_>),
     target: &dyn SurfaceTarget,
     mut whitening: Whitening,
     profiles: &[Profile],
@@ -160,6 +161,14 @@ pub(crate) fn by_surrogate(
             evaluations,
             ..PosteriorDiagnostics::default()
         };
+        let is_better =
+            |draw: &Draw| draw.answer.as_ref().is_ok_and(|found| is_lower(&draw.values, found));
+        if options.ends_at_lower && draws.iter().any(is_better) {
+            let score = effective;
+            let found = Round { score, surface, draws, weights, diagnostics, chains };
+            let as_they_are = PosteriorOptions { most_times: 0, ..*options };
+            return Ok(found.completed((problem, target), &as_they_are, progress));
+        }
         let narrow = at_range_limit > MAX_AT_RANGE_LIMIT;
         let enough = effective >= options.target_share * draws.len() as f64 && !narrow;
         // Local training: predictions at the draws, and the earlier points among them.
@@ -214,7 +223,7 @@ impl Round {
         let is_heavy = |found: &PosteriorDiagnostics| {
             found.pareto_shape.is_some_and(|shape| shape > RELIABLE_SHAPE)
         };
-        let most = if is_poor(&weights) { MOST_TIMES * options.draws } else { 0 };
+        let most = if is_poor(&weights) { options.most_times * options.draws } else { 0 };
         let reserve = spread(&chains, most, 0, most);
         let mut reserve = reserve.chunks(options.draws);
         while (is_poor(&weights) || (draws.len() > options.draws && is_heavy(&diagnostics)))
@@ -226,7 +235,7 @@ impl Round {
             let whole = weights_of(&draws);
             diagnostics.pareto_shape = pareto_shape(&whole);
             weights = cut(&whole);
-            report(progress, Stage::Draws, draws.len(), (1 + MOST_TIMES) * options.draws);
+            report(progress, Stage::Draws, draws.len(), (1 + options.most_times) * options.draws);
         }
         diagnostics.evaluated_draws = draws.len();
         diagnostics.effective_draws = effective_draws(&weights);

@@ -36,6 +36,14 @@ pub struct PosteriorOptions {
     pub max_rounds: usize,
     /// Effective share of weighted draws at which the rounds end.
     pub target_share: f64,
+    /// Draws evaluated at most beside those asked for, over those, where weights leave too few.
+    pub most_times: usize,
+    /// True to end after the round in which a draw is so much lower than the fit that [`Fit::better_draw`], or with latents
+    /// [`Fit::better_latent_draw`], tells it: the fit is no minimum then, and the draws are of the wrong place.
+    ///
+    /// [`Fit::better_draw`]: crate::Fit::better_draw
+    /// [`Fit::better_latent_draw`]: crate::Fit::better_latent_draw
+    pub ends_at_lower: bool,
     /// Training points per coefficient of the response surface.
     pub oversampling: f64,
 }
@@ -52,6 +60,8 @@ impl Default for PosteriorOptions {
             seed: 1,
             max_rounds: 3,
             target_share: 0.5,
+            most_times: 10,
+            ends_at_lower: false,
             oversampling: 2.5,
         }
     }
@@ -86,6 +96,8 @@ impl PosteriorOptions {
             0..=many,
             "at most 1000000",
         )?;
+        let (quantity, times) = ("the multiple of draws evaluated", self.most_times as f64);
+        check_range(quantity, times, 0..=1000, "at most 1000")?;
         check_range("the number of rounds", self.max_rounds as f64, 1..=20, "1 to 20")?;
         check_range("the target share", self.target_share, 0.0..=1.0, "0 to 1")
     }

@@ -1,8 +1,8 @@
 //! Searches along curved valleys, past missing predictions, and with errors of the predictions.
 
 use asperity_inference::{
-    FitOptions, ForwardModel, FunctionModel, Observation, Parameter, Posterior,
-    PosteriorDiagnostics, PredictionError, Predictions, fit, refit_with_progress,
+    FitOptions, FitTermination, ForwardModel, FunctionModel, Observation, Parameter, Posterior,
+    PosteriorDiagnostics, PosteriorOptions, PredictionError, Predictions, fit, refit_with_progress,
 };
 
 use crate::models::linear;
@@ -113,6 +113,61 @@ fn a_draw_of_lower_cost_is_a_further_start() {
     let mut without = posterior.clone();
     without.predictions.iter_mut().for_each(|one| one[1] = None);
     assert_eq!(found.better_draw(&without), None);
+}
+
+/// A posterior of the higher of two minima, asked to end where a draw is lower, ends with the draws of its first surface, more
+/// or less of which are good; that of the lower minimum is what it is without being asked.
+#[test]
+fn a_posterior_ends_where_a_draw_is_lower() {
+    let model = |start: f64| FunctionModel {
+        parameters: vec![Parameter::linear("x", start, [-4.0, 4.0]).unwrap()],
+        observations: Observation::list(&[0.0, 1.0], 1.0),
+        function: |x: &[f64]| vec![(x[0] * x[0] - 1.0) / 0.8, 1.0 + (x[0] - 1.0) / 1.6],
+    };
+    let until_the_last = PosteriorOptions {
+        draws: 200,
+        steps: 500,
+        target_share: 1.0,
+        most_times: 2,
+        ..PosteriorOptions::default()
+    };
+    let asked = PosteriorOptions { ends_at_lower: true, ..until_the_last };
+    for (start, ends) in [(-1.0, true), (1.2, false)] {
+        let model = model(start);
+        let found = fit(&model, &FitOptions { starts: 1, ..FitOptions::default() }).unwrap();
+        assert_eq!(found.point[0] < 0.0, ends, "{:?}", found.point);
+        let covariance = found.covariance().unwrap();
+        let [whole, short] = [&until_the_last, &asked]
+            .map(|options| found.posterior(&covariance, &[], options).unwrap());
+        if ends {
+            let (whole, short) = (whole.diagnostics, &short);
+            assert!(found.better_draw(short).is_some());
+            assert_eq!(short.diagnostics.evaluated_draws, 200);
+            assert!(2 * short.diagnostics.evaluations <= whole.evaluations, "{whole:?}");
+        } else {
+            assert_eq!(whole, short);
+            assert_eq!(found.better_draw(&short), None);
+        }
+    }
+}
+
+/// A gradual search that stays hundreds of deviations away from data that it cannot reach ends before it has followed the
+/// valley of the others, and says so; one that reaches its data does not.
+#[test]
+fn a_search_far_from_its_data_ends_where_it_is_slow() {
+    for (unreachable, is_slow) in [(300.0, true), (0.0, false)] {
+        let model = FunctionModel {
+            parameters: vec![linear("x", -2.0, [-4.0, 4.0]), linear("y", 4.0, [-16.0, 16.0])],
+            observations: Observation::list(&[0.0, 0.0, unreachable], 1.0),
+            function: |x: &[f64]| vec![3e4 * (x[1] - x[0] * x[0]), 20.0 * (x[0] - 1.5), 0.0],
+        };
+        let options = FitOptions { difference_step: 1e-4, gradual: true, ..FitOptions::default() };
+        let found = fit(&model, &options).unwrap();
+        let termination = found.termination;
+        assert_eq!(termination == FitTermination::SlowReduction, is_slow, "{termination:?}");
+        assert_eq!(found.converged, !is_slow);
+        assert_eq!((found.point[0] - 1.5).abs() < 1e-3, !is_slow, "{:?}", found.point);
+    }
 }
 
 /// The same with a latent, whose value in a draw has the prior of a mixture and not that of the fit: it does not count.
