@@ -233,7 +233,7 @@ pub fn simulate_patches(
 /// As [`simulate_patches`]; once `stop` is set, a response ends before its next sample.
 ///
 /// # Errors
-/// Those of [`simulate_patches`], and [`DynamicsError::Stopped`].
+/// Those of [`simulate_patches`], and [`DynamicsError::Stopped`](asperity_dynamics::DynamicsError::Stopped).
 pub fn simulate_patches_unless(
     document: &Document,
     scenario: &StructureScenario,
