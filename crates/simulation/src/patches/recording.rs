@@ -1,7 +1,7 @@
 //! Instants and cells of a run that are recorded beside its history.
 
 use asperity_dynamics::Sampling;
-use asperity_scenario::StructureScenario;
+use asperity_scenario::{JsonPointer, StructureScenario};
 
 use super::ports::Patch;
 use super::structure::PatchStructure;
@@ -38,6 +38,10 @@ impl Recording {
         let contacts = contacts(scenario, &assembly.structure)?;
         let recorded = contacts.len().saturating_mul(assembly.sampling.samples());
         if recorded > MOST_SAMPLES {
+            // A choice of ours refuses no scenario.
+            if scenario.output.cells.is_empty() {
+                return Ok(Self { samples, contacts: Vec::new() });
+            }
             return Err(SimulationError::model(
                 "/output/cells",
                 format!("{} cells over time have {recorded} samples", contacts.len()),
@@ -76,6 +80,11 @@ fn first_period(assembly: &Assembly<PatchStructure>) -> Vec<usize> {
     (1..=DEFAULT_INSTANTS).map(part).collect()
 }
 
+/// Place of the cells of an interface in the scenario.
+fn cells_of(interface: &str) -> JsonPointer {
+    JsonPointer::root().child("output").child("cells").child(interface)
+}
+
 fn contacts(
     scenario: &StructureScenario,
     structure: &PatchStructure,
@@ -84,7 +93,7 @@ fn contacts(
     let names = || structure.patches.iter().map(|patch| patch.name.as_str());
     if let Some(name) = asked.keys().find(|&name| names().all(|one| one != name)) {
         return Err(SimulationError::model(
-            &format!("/output/cells/{}", escaped(name)),
+            &cells_of(name).to_string(),
             format!("there is no interface \"{name}\""),
             names().collect::<Vec<_>>().join(", "),
         ));
@@ -99,7 +108,7 @@ fn contacts(
             let Some(place) = patch.cell_names.iter().position(|name| name == cell) else {
                 let (first, last) = (patch.cell_names.first(), patch.cell_names.last());
                 return Err(SimulationError::model(
-                    &format!("/output/cells/{}/{number}", escaped(&patch.name)),
+                    &cells_of(&patch.name).child(number).to_string(),
                     format!("\"{}\" has no cell \"{cell}\"", patch.name),
                     format!(
                         "one of its {} cells, from \"{}\" to \"{}\"",
@@ -127,9 +136,4 @@ fn extremes(structure: &PatchStructure, patch: &Patch) -> Vec<usize> {
         (Some(highest), Some(lowest)) if highest != lowest => vec![highest, lowest],
         _ => Vec::new(),
     }
-}
-
-/// A key as a JSON Pointer has it.
-fn escaped(key: &str) -> String {
-    key.replace('~', "~0").replace('/', "~1")
 }
