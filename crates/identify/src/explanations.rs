@@ -21,9 +21,9 @@ use std::f64::consts::PI;
 use crate::error::IdentificationError;
 use crate::given_numbers::GivenNumbers;
 use crate::identification_problem::IdentificationProblem;
-use crate::observed_quantity::ObservedQuantity;
 use crate::problem::{CandidateSpec, Changes, ParameterSpec};
 use crate::problem_parameters::is_within;
+use crate::response_factor::{ResponseFactor, predicted};
 use crate::scenario_model::ScenarioModel;
 
 /// Distance of a parameter from the mean of its prior, in its standard deviations, from which prior and data
@@ -53,19 +53,6 @@ const TRIED_RATIO: f64 = 1e-3;
 
 /// Least and largest part of the damping of the bodies that a loss takes over where its fit starts.
 const TAKEN: [f64; 2] = [0.3, 0.8];
-
-/// Factors of the response that faults of sensors, units and polarity bring.
-const FACTORS: [(f64, &str); 6] = [
-    (-1.0, "the response, or the force, has the other polarity"),
-    (1e3, "the response is too large by a factor of 1000"),
-    (1e-3, "the response is too small by a factor of 1000"),
-    (9.81, "the response is too large by a factor of 9.81: m/s^2 taken for g"),
-    (1.0 / 9.81, "the response is too small by a factor of 9.81: g taken for m/s^2"),
-    (1e-6, "the response is too small by a factor of 1e6"),
-];
-
-/// Ratio of the distances of measured and predicted receptances by which a factor has to be nearer.
-const NEARER: f64 = 0.5;
 
 /// A change of the model that would explain the data better.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -404,37 +391,11 @@ impl Unexplained<'_> {
         Some(Explanation { cause, expected_chi_square: None, chi_square: Some(chi_square) })
     }
 
-    /// A factor of the response with which the start of the parameters is much nearer to the data.
+    /// A factor of the response that explains the data better.
     fn of_factor(&self, progress: &ProgressCallback<'_>) -> Option<Explanation> {
-        let forward = self.forward;
-        let start = forward.start();
-        // The receptances themselves, not those with independent errors.
-        let mut plain = forward.with_scaled("", 1.0);
-        plain.hits.iter_mut().for_each(|hit| hit.shared_errors.clear());
-        let predicted = predicted(&plain, &start)?;
-        let is_receptance = |quantity: &ObservedQuantity| quantity.is_receptance(&forward.columns);
-        let of: Vec<usize> =
-            (0..predicted.len()).filter(|&i| is_receptance(&forward.quantities[i])).collect();
-        let distance = |factor: f64| {
-            let pairs = of
-                .iter()
-                .filter_map(|&i| Some((forward.observations[i].value / factor, predicted[i]?)));
-            // Between 0 for equal and 2 for opposite ones, whatever their sizes.
-            let parts = pairs.map(|(a, b)| ((a - b).powi(2), a * a + b * b));
-            let (apart, size) = parts.fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
-            if size > 0.0 { apart / size } else { f64::INFINITY }
-        };
-        let nearest = FACTORS.iter().min_by(|a, b| distance(a.0).total_cmp(&distance(b.0)))?;
-        if of.is_empty() || distance(nearest.0) > NEARER * distance(1.0) {
-            return None;
-        }
-        let mut trial = forward.with_scaled("", 1.0);
-        for &i in &of {
-            trial.observations[i].value /= nearest.0;
-            trial.observations[i].standard_deviation /= nearest.0.abs();
-        }
-        let chi_square = self.short_fit(&trial, progress)?;
-        let cause = nearest.1.to_owned();
+        let factor = ResponseFactor::of(self.forward)?;
+        let chi_square = self.short_fit(&factor.without(self.forward), progress)?;
+        let cause = factor.cause.to_owned();
         (chi_square < self.goodness.chi_square).then_some(Explanation {
             cause,
             expected_chi_square: None,
@@ -455,10 +416,6 @@ fn scalar(pointer: String, bounds: [f64; 2], start: f64) -> ParameterSpec {
     let start = Some(start.clamp(bounds[0], bounds[1]));
     let (also, name, scale, prior) = (Vec::new(), None, None, None);
     ParameterSpec::Scalar { pointer, also, name, bounds, start, scale, prior }
-}
-
-fn predicted(forward: &ScenarioModel, point: &[f64]) -> Option<Predictions> {
-    forward.predict(&[point.to_vec()]).pop()?.ok()
 }
 
 /// Change of predictions in standard deviations of the observations; zero where one is missing.

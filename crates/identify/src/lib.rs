@@ -81,6 +81,7 @@ pub mod problem;
 mod problem_parameters;
 mod records;
 mod report;
+mod response_factor;
 mod sampled_fit;
 mod scenario_laws;
 mod scenario_model;

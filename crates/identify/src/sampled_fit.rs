@@ -14,6 +14,7 @@ use crate::hit_numerics::{FeatureErrors, HitNumerics, numerics_at};
 use crate::identification_problem::IdentificationProblem;
 use crate::latent_sampling::{FreeLawFindings, posterior_of, posterior_options, profiles};
 use crate::problem::NoiseSpec;
+use crate::response_factor::ResponseFactor;
 use crate::scenario_model::ScenarioModel;
 use crate::unfinished::Unfinished;
 use crate::work::{WorkStage, expected_of_explanations};
@@ -230,7 +231,8 @@ fn under_its_own_prior(
 
 /// A fit that does not agree with its data goes on from a fit with larger standard deviations: where residuals are long,
 /// the valley of their squares is so narrow and bent that a search ends in it for want of progress, and beside a prior
-/// that is of the same size it does not.
+/// that is of the same size it does not. With a factor of the response that makes the data much nearer at the start of the
+/// parameters, no other search reaches them.
 fn continued(
     problem: &IdentificationProblem,
     (forward, about): (&mut ScenarioModel, &[ObservationLabel]),
@@ -241,7 +243,10 @@ fn continued(
     let (times, tried) = if is_gradual { (1, 1) } else { (MOST_CONTINUED, 2) };
     for _ in 0..times {
         let goodness = Fit::resumed(&*forward, own.clone(), progress)?.goodness();
-        if goodness.agreement() != Agreement::None || problem.work.is_stopped() {
+        if goodness.agreement() != Agreement::None
+            || problem.work.is_stopped()
+            || ResponseFactor::of(forward).is_some()
+        {
             break;
         }
         // The size of the residuals, and then their correlation too, as the posterior has them.
