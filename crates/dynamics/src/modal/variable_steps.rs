@@ -19,6 +19,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`integration`] | a case on its way: its steps and their lengths |
+//! | [`modal_motion`] | the modes over a step |
 //! | [`midway`] | the case as equal steps take it on |
 //! | [`contact_solve`] | closures and tractions at the end of a step |
 //! | [`measures`] | extremes, times without contact, mean stiffness and energies |
@@ -31,12 +32,13 @@ mod contact_solve;
 mod integration;
 mod measures;
 mod midway;
+mod modal_motion;
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::{Arch, NullaryFnOnce, Scalar, Simd, WithSimd};
 
 use super::assembly::MOST_INTERFACES;
 use super::decimation::Decimation;
@@ -240,27 +242,36 @@ impl Recording<'_> {
 /// All steps of a run, and what sees the state at the end of each base step.
 struct Steps<'r, 'a, R, const N: usize>(&'r mut Integration<'a, N>, R, &'r AtomicBool);
 
-impl<R: FnMut(&mut Integration<'_, N>, usize) -> ControlFlow<()>, const N: usize> NullaryFnOnce
+impl<R: FnMut(&mut Integration<'_, N>, usize) -> ControlFlow<()>, const N: usize> WithSimd
     for Steps<'_, '_, R, N>
 {
     type Output = Result<(), DynamicsError>;
 
     #[inline(always)]
-    fn call(self) -> Self::Output {
-        self.0.run(self.1, self.2)
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        self.0.run(simd, self.1, self.2)
     }
 }
 
 /// The outcome of `task`, compiled for the instructions of `set`.
-fn on<F: NullaryFnOnce>(set: InstructionSet, task: F) -> Result<F::Output, DynamicsError> {
+fn on<F: WithSimd>(set: InstructionSet, task: F) -> Result<F::Output, DynamicsError> {
+    struct On<S, F>(S, F);
+    impl<S: Simd, F: WithSimd> NullaryFnOnce for On<S, F> {
+        type Output = F::Output;
+
+        #[inline(always)]
+        fn call(self) -> F::Output {
+            self.1.with_simd(self.0)
+        }
+    }
     match set.arch() {
-        Some(Arch::Scalar) => Ok(task.call()),
+        Some(Arch::Scalar) => Ok(task.with_simd(Scalar::new())),
         #[cfg(target_arch = "x86_64")]
-        Some(Arch::V3(simd)) => Ok(simd.vectorize(task)),
+        Some(Arch::V3(simd)) => Ok(simd.vectorize(On(simd, task))),
         #[cfg(target_arch = "x86_64")]
-        Some(Arch::V4(simd)) => Ok(simd.vectorize(task)),
+        Some(Arch::V4(simd)) => Ok(simd.vectorize(On(simd, task))),
         #[cfg(target_arch = "aarch64")]
-        Some(Arch::Neon(simd)) => Ok(simd.vectorize(task)),
+        Some(Arch::Neon(simd)) => Ok(simd.vectorize(On(simd, task))),
         _ => Err(DynamicsError::InstructionSet { set }),
     }
 }

@@ -363,6 +363,14 @@ fn product<const N: usize>(row: &[f64; N], numbers: &[f64; N]) -> f64 {
 /// The solution of equations whose matrix has the pivots of a positive definite one.
 #[inline(always)]
 fn linear_solve<const N: usize>(mut matrix: Matrix<N>, mut right: [f64; N]) -> [f64; N] {
+    // Two contacts, the usual ones, by one division.
+    if N == 2 {
+        let [[a, b], [c, d]] = [[matrix[0][0], matrix[0][1]], [matrix[1][0], matrix[1][1]]];
+        let inverse = 1.0 / (a * d - b * c);
+        (right[0], right[1]) =
+            (inverse * (d * right[0] - b * right[1]), inverse * (a * right[1] - c * right[0]));
+        return right;
+    }
     for k in 0..N {
         let inverse = 1.0 / matrix[k][k];
         for i in k + 1..N {

@@ -6,13 +6,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use asperity_structure::LoadCase;
+use pulp::Simd;
 
 use super::contact_solve::{Contact, FreeEnd, RowState, RowStep, solve};
 use super::measures::{ContactMeasure, Measures};
+use super::modal_motion::{ModalMotion, StepLoad, lanes};
 use super::{StepControl, hermite, hermite_slope};
 use crate::contact_energy::excess;
 use crate::modal::assembly::ModalModel;
-use crate::modal::row_modes::RowMode;
 use crate::modal::step_coefficients::{LANES, Lanes, StepCoefficients};
 use crate::modal::transient_case::pressure_at;
 use crate::{ContactExtremes, DynamicsError, EnergyLedger, History};
@@ -32,30 +33,12 @@ const LEAST_TRACTION: f64 = 1e-3;
 /// Loss of the pressure at rest, over all of it, from which on a contact is near opening.
 const NEAR_OPENING: f64 = 0.9;
 
+/// Energy of modes that ring, over the work of the load, that equal steps may leave out: their displacements are smaller than
+/// the amplitude of the response by its root times the ratio of the frequencies.
+const LEFT_ENERGY: f64 = 1e-5;
+
 /// Steps of one case at most.
 const MOST_STEPS: usize = 8_000_000;
-
-/// Participations of some modes side by side.
-#[derive(Debug, Clone, Copy)]
-struct ShapeBlock<const N: usize> {
-    /// Of the closure of each row, and modal force per traction at each row.
-    closure: [Lanes; N],
-    force: [Lanes; N],
-    load: Lanes,
-    /// Damping rate.
-    rate: Lanes,
-}
-
-/// States of some modes side by side.
-#[derive(Debug, Clone, Copy, Default)]
-struct StateBlock {
-    displacement: Lanes,
-    velocity: Lanes,
-    acceleration: Lanes,
-    /// Contact force and its rate.
-    force: Lanes,
-    force_rate: Lanes,
-}
 
 /// A step length with its coefficients.
 #[derive(Debug, Clone)]
@@ -72,17 +55,16 @@ pub(super) struct Integration<'a, const N: usize> {
     control: StepControl,
     exponents: &'a [i32],
     levels: Vec<Option<Arc<Level<N>>>>,
-    shapes: Vec<ShapeBlock<N>>,
     /// Closure per load of the modes left out.
     closure_per_load: [f64; N],
     /// Participations of each sensor.
     sensors: Vec<Vec<Lanes>>,
-    modes: Vec<StateBlock>,
-    /// Displacements and velocities at the end of the step without the tractions there.
-    free: Vec<[Lanes; 2]>,
+    modes: ModalMotion<N>,
     rows: RowState<N>,
     /// Load and its rate.
     loaded: [f64; 2],
+    /// Displacement \[m\] and velocity \[m/s\] of the load port.
+    pub(super) load_port: [f64; 2],
     /// The step before: its length, and the rows at its beginning.
     before: Option<(f64, RowState<N>)>,
     /// Largest traction of each row so far.
@@ -109,20 +91,10 @@ impl<'a, const N: usize> Integration<'a, N> {
             pairs.map(|(contact, table)| Contact::new(contact, table)).collect();
         let structure = model.row_modes();
         let (modes, rate) = (&structure.modes, model.preloaded().damping_rate());
-        let shape = |modes: &[RowMode]| ShapeBlock {
-            closure: array::from_fn(|i| {
-                lanes(modes, |mode| mode.closure.get(i).copied().unwrap_or(0.0))
-            }),
-            force: array::from_fn(|i| {
-                lanes(modes, |mode| mode.closure.get(i).map_or(0.0, |g| g * model.area(i)))
-            }),
-            load: lanes(modes, |mode| mode.load),
-            rate: lanes(modes, |mode| mode.total_damping(rate)),
+        let area = |i: usize| model.area(i);
+        let sensor = |s: usize| {
+            modes.chunks(LANES).map(|modes| lanes(modes, |mode| mode.sensors[s])).collect()
         };
-        let blocks = || modes.chunks(LANES);
-        let sensor =
-            |s: usize| blocks().map(|modes| lanes(modes, |mode| mode.sensors[s])).collect();
-        let shapes: Vec<ShapeBlock<N>> = blocks().map(shape).collect();
         let of_contact =
             |i: usize| contacts.get(i).map_or(0.0, |contact| LEAST_TRACTION * contact.pressure());
         Ok(Self {
@@ -135,11 +107,10 @@ impl<'a, const N: usize> Integration<'a, N> {
                 structure.residual.load.get(i).copied().unwrap_or(0.0)
             }),
             sensors: (0..model.sensors()).map(sensor).collect(),
-            modes: vec![StateBlock::default(); shapes.len()],
-            free: vec![[[0.0; LANES]; 2]; shapes.len()],
-            shapes,
+            modes: ModalMotion::at_rest(modes, area, rate),
             rows: RowState::at_rest(&contacts),
             loaded: [load.value(0.0), 0.0],
+            load_port: [structure.residual.load_port * load.value(0.0), 0.0],
             before: None,
             largest: array::from_fn(of_contact),
             measures: Measures::new(&contacts),
@@ -153,8 +124,9 @@ impl<'a, const N: usize> Integration<'a, N> {
     /// Integrates to the end, or until `stop` is set; `record` sees the state at the end of each base step, and
     /// their number, and may end the run there.
     #[inline(always)]
-    pub(super) fn run(
+    pub(super) fn run<S: Simd>(
         &mut self,
+        simd: S,
         mut record: impl FnMut(&mut Self, usize) -> ControlFlow<()>,
         stop: &AtomicBool,
     ) -> Result<(), DynamicsError> {
@@ -173,10 +145,10 @@ impl<'a, const N: usize> Integration<'a, N> {
                 let error = loop {
                     let load = self.load_within(&coefficients, start);
                     let is_shortest = level == MOST_HALVINGS;
-                    if let Some((end, error)) = self.attempt(&coefficients, load, is_shortest)
+                    if let Some((end, error)) = self.attempt(simd, &coefficients, load, is_shortest)
                         && (error <= 1.0 || is_shortest)
                     {
-                        self.complete(&coefficients, load, end);
+                        self.complete(simd, &coefficients, load, end);
                         break error;
                     }
                     if is_shortest || self.taken > MOST_STEPS {
@@ -210,10 +182,10 @@ impl<'a, const N: usize> Integration<'a, N> {
             <= self.control.tolerance * self.measures.work.abs()
     }
 
-    /// True if steps of `step` \[s\] would lose as little of the energy of modes that ring.
+    /// True if equal steps of `step` \[s\] would lose so little energy of modes that ring.
     pub(super) fn may_take_steps(&self, step: f64) -> bool {
         let long = self.model.step_coefficients(step, self.exponents);
-        self.ringing(None, &long) <= self.control.tolerance * self.measures.work.abs()
+        self.ringing(None, &long) <= LEFT_ENERGY * self.measures.work.abs()
     }
 
     /// Energy of the modes that ring \[J\] and are in motion at `short` steps, if given, and follow their forces at
@@ -223,11 +195,10 @@ impl<'a, const N: usize> Integration<'a, N> {
         for (n, mode) in self.model.row_modes().modes.iter().enumerate() {
             let follows = |steps: &StepCoefficients| steps.modes[n].follows();
             if follows(long) && !short.is_some_and(follows) {
-                let (state, lane) = (&self.modes[n / LANES], n % LANES);
                 let w = mode.angular_frequency;
-                let force = state.force[lane] + mode.load * self.loaded[0];
-                let apart = w * state.displacement[lane] - force / w;
-                ringing += 0.5 * (state.velocity[lane].powi(2) + apart * apart);
+                let [displacement, velocity, force] = self.modes.of_mode(n);
+                let apart = w * displacement - (force + mode.load * self.loaded[0]) / w;
+                ringing += 0.5 * (velocity * velocity + apart * apart);
             }
         }
         ringing
@@ -252,64 +223,41 @@ impl<'a, const N: usize> Integration<'a, N> {
         Arc::clone(known)
     }
 
-    /// Coefficients of the load within the step from `start` base steps, a quadratic; none without a load.
+    /// The load within the step from `start` base steps; none without a load.
     #[inline(always)]
-    fn load_within(&self, level: &Level<N>, start: f64) -> Option<[f64; 3]> {
+    fn load_within(&self, level: &Level<N>, start: f64) -> Option<StepLoad> {
         let (begin, step) = (start * self.control.base, level.coefficients.step);
         if begin > self.load.ends_at() && self.loaded == [0.0; 2] {
             return None;
         }
         let (middle, last) = (self.load.value(begin + 0.5 * step), self.load.value(begin + step));
         let first = self.loaded[0];
-        Some([first, 4.0 * middle - 3.0 * first - last, 2.0 * (first - 2.0 * middle + last)])
+        let (slope, bend) =
+            (4.0 * middle - 3.0 * first - last, 2.0 * (first - 2.0 * middle + last));
+        let end = [first + slope + bend, (slope + 2.0 * bend) / step];
+        Some(StepLoad { coefficients: [first, slope, bend], end })
     }
 
     /// The rows at the end of a step, and the error of its tractions over the tolerance; none where the
     /// contacts are not solved. In the shortest step a traction may jump, as damped faces meet.
     #[inline(always)]
-    fn attempt(
+    fn attempt<S: Simd>(
         &mut self,
+        simd: S,
         level: &Level<N>,
-        load: Option<[f64; 3]>,
+        load: Option<StepLoad>,
         may_jump: bool,
     ) -> Option<(RowState<N>, f64)> {
         let step = level.coefficients.step;
-        let mut sums = [[[0.0; LANES]; N]; 3];
-        let blocks = self.modes.iter().zip(&level.coefficients.blocks).zip(&self.shapes);
         let is_damped = level.rows.is_damped();
-        for (((state, shares), shape), free) in blocks.zip(&mut self.free) {
-            let from = [&state.displacement, &state.velocity, &state.force, &state.force_rate];
-            for (end, shares) in free.iter_mut().zip(&shares.free) {
-                *end = [0.0; LANES];
-                for (share, number) in shares.iter().zip(from) {
-                    add_product(end, share, number);
-                }
-            }
-            if let Some(load) = load {
-                for (end, shares) in free.iter_mut().zip(&shares.load) {
-                    for (share, load) in shares.iter().zip(load) {
-                        add_product(end, share, &[load; LANES]);
-                    }
-                }
-            }
-            for i in 0..N {
-                add_product(&mut sums[0][i], &shape.closure[i], &free[0]);
-                add_product(&mut sums[1][i], &shape.closure[i], &free[1]);
-            }
-            if is_damped {
-                let moved =
-                    acceleration(&shares.acceleration, free, None, shape, end_of(load, step));
-                for i in 0..N {
-                    add_product(&mut sums[2][i], &shape.closure[i], &moved);
-                }
-            }
-        }
-        let [closure, rate, acceleration] = sums.map(|of_rows| of_rows.map(|sum| sum.iter().sum()));
+        let [closure, rate, acceleration] =
+            self.modes.move_freely(simd, &level.coefficients, load, is_damped);
         let mut free = FreeEnd { closure, rate, acceleration };
-        let [value, slope] = end_of(load, step);
-        for i in 0..N {
-            free.closure[i] += self.closure_per_load[i] * value;
-            free.rate[i] += self.closure_per_load[i] * slope;
+        if let Some(StepLoad { end: [value, slope], .. }) = load {
+            for i in 0..N {
+                free.closure[i] += self.closure_per_load[i] * value;
+                free.rate[i] += self.closure_per_load[i] * slope;
+            }
         }
         let guess = self.continued(step);
         let end = solve(&self.contacts, &level.rows, &free, [&self.rows, &guess], &self.largest);
@@ -349,41 +297,26 @@ impl<'a, const N: usize> Integration<'a, N> {
 
     /// Completes a step whose rows at its end are known.
     #[inline(always)]
-    fn complete(&mut self, level: &Level<N>, load: Option<[f64; 3]>, end: RowState<N>) {
+    fn complete<S: Simd>(
+        &mut self,
+        simd: S,
+        level: &Level<N>,
+        load: Option<StepLoad>,
+        end: RowState<N>,
+    ) {
         let step = level.coefficients.step;
-        let loaded = end_of(load, step);
-        let port_before = load.map(|_| self.load_port());
-        let mut loss = [0.0; LANES];
-        let blocks = self.modes.iter_mut().zip(&level.coefficients.blocks).zip(&self.shapes);
-        for (((state, shares), shape), free) in blocks.zip(&self.free) {
-            let (mut force, mut force_rate) = ([0.0; LANES], [0.0; LANES]);
-            for i in 0..N {
-                add_product(&mut force, &shape.force[i], &[-end.traction[i]; LANES]);
-                add_product(&mut force_rate, &shape.force[i], &[-end.traction_rate[i]; LANES]);
-            }
-            let mut reached = *free;
-            for (reached, shares) in reached.iter_mut().zip(&shares.end) {
-                add_product(reached, &shares[0], &force);
-                add_product(reached, &shares[1], &force_rate);
-            }
-            let pushed = Some([&force, &force_rate]);
-            let accelerated = acceleration(&shares.acceleration, &reached, pushed, shape, loaded);
-            for l in 0..LANES {
-                let [a, b] = [state.velocity[l], reached[1][l]];
-                let [da, db] = [state.acceleration[l], accelerated[l]];
-                let square = 0.5 * (a * a + b * b) + step / 6.0 * (a * da - b * db);
-                loss[l] += shape.rate[l] * square;
-            }
-            let [displacement, velocity] = reached;
-            let acceleration = accelerated;
-            *state = StateBlock { displacement, velocity, acceleration, force, force_rate };
-        }
-        self.measures.loss += step * loss.iter().sum::<f64>();
+        let tractions = [&end.traction, &end.traction_rate];
+        let done = self.modes.complete(simd, &level.coefficients, load, tractions);
+        self.measures.loss += done.loss;
         let begin = std::mem::replace(&mut self.rows, end);
-        self.loaded = loaded;
-        if let (Some(load), Some(before)) = (load, port_before) {
-            let port = [before, self.load_port()];
-            self.measures.count_work(load, port, step);
+        self.loaded = load.map_or([0.0; 2], |load| load.end);
+        let residual = &self.model.row_modes().residual;
+        let by_load = self.loaded.map(|load| residual.load_port * load);
+        let moved = array::from_fn(|k| by_load[k] + done.load_port[k]);
+        let port = self.less_tractions(&residual.load, moved);
+        let before = std::mem::replace(&mut self.load_port, port);
+        if let Some(load) = load {
+            self.measures.count_work(load.coefficients, [before, port], step);
         }
         self.measures.take(&self.contacts, [&begin, &self.rows], step);
         for i in 0..N {
@@ -397,18 +330,6 @@ impl<'a, const N: usize> Integration<'a, N> {
         self.before = Some((step, begin));
         self.taken += 1;
         self.shortest = self.shortest.min(step);
-    }
-
-    /// Displacement and velocity of the load port.
-    #[inline(never)]
-    pub(super) fn load_port(&self) -> [f64; 2] {
-        let residual = &self.model.row_modes().residual;
-        let mut port = self.loaded.map(|load| residual.load_port * load);
-        for (shape, state) in self.shapes.iter().zip(&self.modes) {
-            port[0] += sum_product(&shape.load, &state.displacement);
-            port[1] += sum_product(&shape.load, &state.velocity);
-        }
-        self.less_tractions(&residual.load, port)
     }
 
     /// `moved` less the displacement and the velocity by the tractions through a flexibility of each row.
@@ -435,14 +356,12 @@ impl<'a, const N: usize> Integration<'a, N> {
 
     /// Displacement of every mode \[m kg^(1/2)\].
     pub(super) fn modes(&self) -> impl Iterator<Item = f64> {
-        let states = self.modes.iter().flat_map(|state| state.displacement);
-        states.take(self.model.row_modes().modes.len())
+        self.modes.displacements().take(self.model.row_modes().modes.len())
     }
 
     /// Velocity of every mode \[m kg^(1/2)/s\].
     pub(super) fn mode_velocities(&self) -> impl Iterator<Item = f64> {
-        let states = self.modes.iter().flat_map(|state| state.velocity);
-        states.take(self.model.row_modes().modes.len())
+        self.modes.velocities().take(self.model.row_modes().modes.len())
     }
 
     /// Displacement of sensor `sensor` \[m\].
@@ -455,13 +374,9 @@ impl<'a, const N: usize> Integration<'a, N> {
     fn reading(&self, sensor: usize) -> [f64; 3] {
         let residual = &self.model.row_modes().residual;
         let per_load = residual.sensors_per_load[sensor];
-        let mut moved = self.loaded.map(|load| per_load * load);
-        let mut accelerated = 0.0;
-        for (participation, state) in self.sensors[sensor].iter().zip(&self.modes) {
-            moved[0] += sum_product(participation, &state.displacement);
-            moved[1] += sum_product(participation, &state.velocity);
-            accelerated += sum_product(participation, &state.acceleration);
-        }
+        let [displacement, velocity, accelerated] = self.modes.port(&self.sensors[sensor]);
+        let [value, slope] = self.loaded;
+        let moved = [displacement + per_load * value, velocity + per_load * slope];
         let [displacement, velocity] = self.less_tractions(&residual.sensors[sensor], moved);
         [displacement, velocity, accelerated]
     }
@@ -505,11 +420,11 @@ impl<'a, const N: usize> Integration<'a, N> {
             ..EnergyLedger::default()
         };
         for (n, mode) in structure.modes.iter().enumerate() {
-            let (state, lane) = (&self.modes[n / LANES], n % LANES);
+            let [displacement, velocity, _] = self.modes.of_mode(n);
             if !mode.massless {
-                ledger.kinetic += 0.5 * state.velocity[lane].powi(2);
+                ledger.kinetic += 0.5 * velocity.powi(2);
             }
-            ledger.elastic += 0.5 * (mode.angular_frequency * state.displacement[lane]).powi(2);
+            ledger.elastic += 0.5 * (mode.angular_frequency * displacement).powi(2);
         }
         let (residual, load) = (&structure.residual, self.loaded[0]);
         let force = |i: usize| self.contacts[i].area() * self.rows.traction[i];
@@ -526,52 +441,4 @@ impl<'a, const N: usize> Integration<'a, N> {
         ledger.dissipated += ledger.contact_dissipated;
         ledger
     }
-}
-
-/// Load and its rate at the end of a step of `step` \[s\].
-#[inline(always)]
-fn end_of(load: Option<[f64; 3]>, step: f64) -> [f64; 2] {
-    load.map_or([0.0; 2], |[a, b, c]| [a + b + c, (b + 2.0 * c) / step])
-}
-
-/// Accelerations of modes with these displacements and velocities under a contact force and its rate, and
-/// the load and its rate.
-#[inline(always)]
-fn acceleration<const N: usize>(
-    shares: &[Lanes; 4],
-    [displacement, velocity]: &[Lanes; 2],
-    force: Option<[&Lanes; 2]>,
-    shape: &ShapeBlock<N>,
-    load: [f64; 2],
-) -> Lanes {
-    let mut sum = [0.0; LANES];
-    add_product(&mut sum, &shares[0], displacement);
-    add_product(&mut sum, &shares[1], velocity);
-    for k in 0..2 {
-        let mut total = shape.load.map(|participation| participation * load[k]);
-        if let Some(force) = force {
-            for (total, force) in total.iter_mut().zip(force[k]) {
-                *total += force;
-            }
-        }
-        add_product(&mut sum, &shares[2 + k], &total);
-    }
-    sum
-}
-
-/// A number of each of at most [`LANES`] modes.
-fn lanes(modes: &[RowMode], of: impl Fn(&RowMode) -> f64) -> Lanes {
-    array::from_fn(|lane| modes.get(lane).map_or(0.0, &of))
-}
-
-#[inline(always)]
-fn add_product(sum: &mut Lanes, a: &Lanes, b: &Lanes) {
-    for l in 0..LANES {
-        sum[l] += a[l] * b[l];
-    }
-}
-
-#[inline(always)]
-fn sum_product(a: &Lanes, b: &Lanes) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

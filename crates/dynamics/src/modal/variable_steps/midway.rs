@@ -114,7 +114,7 @@ impl Watch {
             viscous: rows.map(|i| array::from_fn(|age| of(age, |one| &one.viscous, i))).collect(),
             velocities: run.mode_velocities().collect(),
             stiffness: run.stiffness_now(),
-            load_port: run.load_port()[0],
+            load_port: run.load_port[0],
             readings,
         };
         Midway {
