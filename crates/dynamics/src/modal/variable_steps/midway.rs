@@ -12,8 +12,8 @@ use crate::{ContactExtremes, EnergyLedger};
 
 /// Parts of a case at whose ends it may be left to equal steps, so that cases alike are taken on side by
 /// side; and parts before the last of these.
-const PARTS: usize = 64;
-const LAST_PART: usize = 56;
+const PARTS: usize = 256;
+const LAST_PART: usize = 224;
 
 /// Periods of the lowest natural frequency during which no contact was near opening.
 const PRESSED: f64 = 1.5;
