@@ -524,9 +524,14 @@ impl<'a> Task<'a> {
                     || residual.is_nan()
                     || residual > COARSE_RESIDUAL;
                 let taken = fine.record.integrated_steps;
-                let halve = is_coarse && self.may_halve(taken, fine.record.modes);
-                let add_modes =
-                    exceeds(&by_modes, COUNT_SHARE) && self.may_add_modes(taken, fine.record.modes);
+                // Equal steps that took over a response have fewer modes than its own, of which the work is.
+                let modes = if self.varies_steps() {
+                    self.counts_at(self.level).iter().sum()
+                } else {
+                    fine.record.modes
+                };
+                let halve = is_coarse && self.may_halve(taken, modes);
+                let add_modes = exceeds(&by_modes, COUNT_SHARE) && self.may_add_modes(taken, modes);
                 let diverged = self.diverged.take();
                 if diverged.is_none() && add_modes {
                     self.level.modes += 1;
