@@ -38,7 +38,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use pulp::{Arch, NullaryFnOnce, Scalar, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use super::assembly::MOST_INTERFACES;
 use super::decimation::Decimation;
@@ -215,7 +215,8 @@ impl Recording<'_> {
             }
             if midway { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        on(set, Steps(&mut run, record, stop))??;
+        let arch = set.arch().ok_or(DynamicsError::InstructionSet { set })?;
+        arch.dispatch(Steps(&mut run, record, stop))?;
         if let (true, Some(watch)) = (midway, watch) {
             return Ok(Ended::Midway(Box::new(watch.midway(&run, readings)), history));
         }
@@ -250,29 +251,6 @@ impl<R: FnMut(&mut Integration<'_, N>, usize) -> ControlFlow<()>, const N: usize
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         self.0.run(simd, self.1, self.2)
-    }
-}
-
-/// The outcome of `task`, compiled for the instructions of `set`.
-fn on<F: WithSimd>(set: InstructionSet, task: F) -> Result<F::Output, DynamicsError> {
-    struct On<S, F>(S, F);
-    impl<S: Simd, F: WithSimd> NullaryFnOnce for On<S, F> {
-        type Output = F::Output;
-
-        #[inline(always)]
-        fn call(self) -> F::Output {
-            self.1.with_simd(self.0)
-        }
-    }
-    match set.arch() {
-        Some(Arch::Scalar) => Ok(task.with_simd(Scalar::new())),
-        #[cfg(target_arch = "x86_64")]
-        Some(Arch::V3(simd)) => Ok(simd.vectorize(On(simd, task))),
-        #[cfg(target_arch = "x86_64")]
-        Some(Arch::V4(simd)) => Ok(simd.vectorize(On(simd, task))),
-        #[cfg(target_arch = "aarch64")]
-        Some(Arch::Neon(simd)) => Ok(simd.vectorize(On(simd, task))),
-        _ => Err(DynamicsError::InstructionSet { set }),
     }
 }
 
