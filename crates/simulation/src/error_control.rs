@@ -213,11 +213,7 @@ impl ErrorControl {
         }
         let (mut runs, mut of): (Vec<Task<'_>>, Vec<&RunRequest>) = (Vec::new(), Vec::new());
         for request in &missing {
-            let task = match kind {
-                Reference::Octave => Task::reference(request),
-                Reference::Near => Task::new(request),
-            };
-            if let Ok(task) = task {
+            if let Ok(task) = Task::reference(request, kind) {
                 runs.push(task);
                 of.push(request);
             }

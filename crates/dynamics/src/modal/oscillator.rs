@@ -25,6 +25,9 @@ use std::sync::LazyLock;
 /// Forces at the ends of steps that an interpolation may use.
 pub(super) const NODES: usize = 5;
 
+/// Coefficients of the polynomials that a force may be within a step: a quintic's.
+pub(super) const MOMENTS: usize = 6;
+
 /// Interpolation of a contact force within a step from its values at the ends of steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ForceInterpolation {
@@ -95,7 +98,7 @@ pub(super) struct Propagator {
     /// Of displacement and velocity, in the new velocity.
     pub(super) velocity: [f64; 2],
     /// Of `F_k`, in the new displacement and velocity.
-    pub(super) moments: [[f64; 2]; NODES],
+    pub(super) moments: [[f64; 2]; MOMENTS],
 }
 
 impl Dynamics {
@@ -111,9 +114,11 @@ impl Dynamics {
         self.angular_frequency * (self.angular_frequency / self.rate)
     }
 
-    fn impulse_rate(self, t: f64) -> f64 {
-        let z = self.z(t);
-        (-0.5 * self.rate * t).exp() * (cosine(z) - 0.5 * self.rate * t * sine_ratio(z))
+    /// The response to a unit impulse, and its rate.
+    fn impulse_and_rate(self, t: f64) -> [f64; 2] {
+        let (z, decay) = (self.z(t), (-0.5 * self.rate * t).exp());
+        let [ratio, cosine] = sine_ratio_and_cosine(z);
+        [decay * t * ratio, decay * (cosine - 0.5 * self.rate * t * ratio)]
     }
 
     fn z(self, t: f64) -> f64 {
@@ -121,21 +126,27 @@ impl Dynamics {
         (w * w - 0.25 * self.rate * self.rate) * t * t
     }
 
-    /// `h integral of kernel(s) s^k ds` over the step, k from 0.
-    fn moments(self, h: f64, kernel: impl Fn(f64) -> f64) -> [f64; NODES] {
+    /// `h integral of kernel(s) s^k ds` over the step of each of some kernels, k from 0.
+    fn moments<const N: usize>(
+        self,
+        h: f64,
+        kernels: impl Fn(f64) -> [f64; N],
+    ) -> [[f64; N]; MOMENTS] {
         // Sixteen points integrate to round-off over an argument of six and more.
         let extent =
             if self.massless { self.relaxation() } else { self.angular_frequency + self.rate } * h;
         let panels = (extent / 6.0).ceil().clamp(1.0, 1e4) as usize;
         let width = 1.0 / panels as f64;
-        let mut sums = [0.0; NODES];
+        let mut sums = [[0.0; N]; MOMENTS];
         for panel in 0..panels {
             for &(node, weight) in GAUSS.iter() {
                 let s = (panel as f64 + node) * width;
-                let mut value = h * width * weight * kernel(s);
-                for sum in &mut sums {
-                    *sum += value;
-                    value *= s;
+                let mut values = kernels(s).map(|value| h * width * weight * value);
+                for sums in &mut sums {
+                    for (sum, value) in sums.iter_mut().zip(&mut values) {
+                        *sum += *value;
+                        *value *= s;
+                    }
                 }
             }
         }
@@ -144,11 +155,12 @@ impl Dynamics {
 
     pub(super) fn recurrence(self, h: f64, interpolation: ForceInterpolation) -> Recurrence {
         let Self { angular_frequency: w, rate: c, massless } = self;
-        let now = self.moments(h, |s| self.impulse(h * (1.0 - s)));
+        let now = self.moments(h, |s| [self.impulse(h * (1.0 - s))]).map(|[now]| now);
         let before = if massless {
-            [0.0; NODES]
+            [0.0; MOMENTS]
         } else {
-            self.moments(h, |s| (-c * h * (1.0 - s)).exp() * self.impulse(h * s))
+            let kernel = |s: f64| [(-c * h * (1.0 - s)).exp() * self.impulse(h * s)];
+            self.moments(h, kernel).map(|[before]| before)
         };
         let weights = interpolation.weights();
         let mut contact = [0.0; NODES + 1];
@@ -184,20 +196,17 @@ impl Dynamics {
     pub(super) fn propagator(self, t: f64) -> Propagator {
         let w = self.angular_frequency;
         if self.massless {
-            let displaced = self.moments(t, |s| self.impulse(t * (1.0 - s)));
             return Propagator {
                 displacement: [(-self.relaxation() * t).exp(), 0.0],
                 velocity: [0.0; 2],
-                moments: displaced.map(|moment| [moment, 0.0]),
+                moments: self.moments(t, |s| [self.impulse(t * (1.0 - s)), 0.0]),
             };
         }
-        let (g, g_rate) = (self.impulse(t), self.impulse_rate(t));
-        let displaced = self.moments(t, |s| self.impulse(t * (1.0 - s)));
-        let moved = self.moments(t, |s| self.impulse_rate(t * (1.0 - s)));
+        let [g, g_rate] = self.impulse_and_rate(t);
         Propagator {
             displacement: [g_rate + self.rate * g, g],
             velocity: [-w * w * g, g_rate],
-            moments: std::array::from_fn(|k| [displaced[k], moved[k]]),
+            moments: self.moments(t, |s| self.impulse_and_rate(t * (1.0 - s))),
         }
     }
 }
@@ -213,9 +222,11 @@ fn sine_ratio(z: f64) -> f64 {
     }
 }
 
-/// `cos(sqrt z)`, for negative z `cosh(sqrt -z)`.
-fn cosine(z: f64) -> f64 {
-    if z >= 0.0 { z.sqrt().cos() } else { (-z).sqrt().cosh() }
+/// The same, and `cos(sqrt z)`, for negative z `cosh(sqrt -z)`.
+fn sine_ratio_and_cosine(z: f64) -> [f64; 2] {
+    let root = z.abs().sqrt();
+    let [sine, cosine] = if z >= 0.0 { root.sin_cos().into() } else { [root.sinh(), root.cosh()] };
+    [if root < 0.03 { sine_ratio(z) } else { sine / root }, cosine]
 }
 
 /// Nodes and weights of the sixteen-point Gauss rule on 0 to 1.

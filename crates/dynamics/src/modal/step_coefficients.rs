@@ -1,9 +1,12 @@
 //! All numbers of a step of one length that depend on neither the state nor the load.
 //!
 //! Within a step the traction of each row is the cubic through its values and rates at both ends
-//! (Hermite), for a mode that turns slowly enough, and their mean for a faster one. A rigid motion on a
+//! (Hermite), bent to pass through those of the end before ([`bend`](super::variable_steps)), for a mode that
+//! turns slowly enough, and their mean for a faster one. A rigid motion on a
 //! spring, r radians a step, then keeps its energy up to r = 3, and turns too slowly by the share
 //! `r^4 / 1440`. A mode too fast even for the mean follows its forces at once.
+
+use std::array;
 
 use super::oscillator::{Dynamics, Propagator};
 use super::row_modes::{RowMode, RowModes};
@@ -20,6 +23,8 @@ pub(super) struct ModeStep {
     pub(super) velocity: [f64; 2],
     /// Of the modal contact force and its rate at the beginning, and at the end.
     pub(super) force: [[f64; 2]; 4],
+    /// Of the bends of the modal contact force, `s^2 (1 - s)^2` and s times as much.
+    pub(super) bend: [[f64; 2]; 2],
     /// Of the coefficients of the load, a polynomial of the part of the step.
     pub(super) load: [[f64; 2]; 3],
     /// Of displacement, velocity, modal force and its rate in the acceleration at the end.
@@ -40,6 +45,8 @@ pub(super) struct ModeBlock {
     pub(super) free: [[Lanes; 4]; 2],
     /// Shares of the contact force and its rate at the end.
     pub(super) end: [[Lanes; 2]; 2],
+    /// Shares of the bends of the contact force.
+    pub(super) bend: [[Lanes; 2]; 2],
     /// Shares of the coefficients of the load.
     pub(super) load: [[Lanes; 3]; 2],
     /// Shares of displacement, velocity, contact force and its rate in the acceleration.
@@ -88,7 +95,7 @@ impl StepCoefficients {
             .collect();
         let rows = areas.len();
         let zero = || vec![vec![0.0; rows]; rows];
-        let [closure, rate, acceleration] = std::array::from_fn(|_| [zero(), zero()]);
+        let [closure, rate, acceleration] = array::from_fn(|_| [zero(), zero()]);
         let blocks = blocks(&structure.modes, &modes);
         let mut coefficients =
             Self { step, modes, blocks, closure, rate, acceleration, follows: zero() };
@@ -141,6 +148,7 @@ fn blocks(modes: &[RowMode], steps: &[ModeStep]) -> Vec<ModeBlock> {
                 }
                 for j in 0..2 {
                     block.end[k][j][lane] = step.force[2 + j][k];
+                    block.bend[k][j][lane] = step.bend[j][k];
                 }
                 for j in 0..3 {
                     block.load[k][j][lane] = mode.load * step.load[j][k];
@@ -169,29 +177,32 @@ impl ModeStep {
         }
         let dynamics = Dynamics { angular_frequency: w, rate, massless: mode.massless };
         let propagator = dynamics.propagator(step);
-        let [m0, m1, m2, m3, _] = propagator.moments;
+        let [m0, m1, m2, m3, m4, m5] = propagator.moments;
         let sum = |shares: [f64; 4]| -> [f64; 2] {
             let [a, b, c, d] = shares;
-            std::array::from_fn(|k| a * m0[k] + b * m1[k] + c * m2[k] + d * m3[k])
+            array::from_fn(|k| a * m0[k] + b * m1[k] + c * m2[k] + d * m3[k])
         };
         if mode.massless {
             return Self::massless(propagator, w * w / rate, rate);
         }
-        let force = if is_slow {
-            [
+        let (force, bend) = if is_slow {
+            let cubic = [
                 sum([1.0, 0.0, -3.0, 2.0]),
                 sum([0.0, step, -2.0 * step, step]),
                 sum([0.0, 0.0, 3.0, -2.0]),
                 sum([0.0, 0.0, -step, step]),
-            ]
+            ];
+            let bent = |[a, b, c]: [[f64; 2]; 3]| array::from_fn(|k| a[k] - 2.0 * b[k] + c[k]);
+            (cubic, [bent([m2, m3, m4]), bent([m3, m4, m5])])
         } else {
             let half = sum([0.5, 0.0, 0.0, 0.0]);
-            [half, zero, half, zero]
+            ([half, zero, half, zero], [zero; 2])
         };
         Self {
             displacement: propagator.displacement,
             velocity: propagator.velocity,
             force,
+            bend,
             load: [m0, m1, m2],
             acceleration: [-w * w, -rate, 1.0, 0.0],
         }
@@ -214,6 +225,7 @@ impl ModeStep {
             force: [with_velocity(m0 - m1, 0.0), [0.0; 2], with_velocity(m1, 1.0), [0.0; 2]],
             load: [with_velocity(m0, 1.0), with_velocity(m1, 1.0), with_velocity(m2, 1.0)],
             acceleration: [0.0, -relaxation, 0.0, 1.0 / rate],
+            ..Self::default()
         }
     }
 }

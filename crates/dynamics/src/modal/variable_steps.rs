@@ -21,6 +21,7 @@
 //! | [`integration`] | a case on its way: its steps and their lengths |
 //! | [`modal_motion`] | the modes over a step |
 //! | [`midway`] | the case as equal steps take it on |
+//! | [`bend`] | the traction within a step, to sixth order |
 //! | [`contact_solve`] | closures and tractions at the end of a step |
 //! | [`measures`] | extremes, times without contact, mean stiffness and energies |
 #![allow(
@@ -28,6 +29,7 @@
     reason = "rows and columns of small square matrices by index"
 )]
 
+mod bend;
 mod contact_solve;
 mod integration;
 mod measures;
@@ -263,7 +265,7 @@ pub(super) fn hermite([a, da, b, db]: [f64; 4], s: f64) -> f64 {
 
 /// Its slope.
 #[inline(always)]
-fn hermite_slope([a, da, b, db]: [f64; 4], s: f64) -> f64 {
+pub(super) fn hermite_slope([a, da, b, db]: [f64; 4], s: f64) -> f64 {
     let rise = b - a;
     da + s * (2.0 * (3.0 * rise - 2.0 * da - db) + 3.0 * s * (da + db - 2.0 * rise))
 }

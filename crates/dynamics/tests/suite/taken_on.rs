@@ -98,8 +98,9 @@ fn measures_apart(
 fn the_rest_at_equal_steps_goes_on_as_at_steps_of_their_own() {
     let (mut left, mut failures) = (0, Vec::new());
     // Parts of a longest step; largest differences of accelerations, other samples, energies, and contacts.
-    // At the longer steps the two follow undamped fast modes differently.
-    let finenesses = [(4.0, [0.1, 5e-3, 1e-4, 2e-3]), (16.0, [1e-3, 2e-5, 1e-6, 5e-6])];
+    // At the longer steps the two follow undamped fast modes differently; at still longer ones rig 9 has an opening more
+    // or less.
+    let finenesses = [(8.0, [1e-2, 5e-4, 2e-5, 1e-4]), (16.0, [1e-3, 2e-5, 1e-6, 5e-6])];
     for (seed, (parts, most)) in (1..=9).flat_map(|seed| finenesses.map(|one| (seed, one))) {
         let (structure, load) = hit(seed);
         let natural = structure.natural_frequency().unwrap();

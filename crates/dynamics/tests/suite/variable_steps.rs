@@ -9,7 +9,8 @@ use crate::damped_engines::{case, off};
 use crate::support::half_spaces::{self, relative_norm, window};
 use crate::support::{AREA, Law, damped, modified, power, pulse, rig, run_at, slope};
 use asperity_dynamics::{
-    Batch, Decimation, DynamicsError, Modal, ParameterVariation, STENCIL, Sampling, TransientCase,
+    Batch, Decimation, DynamicsError, Modal, ParameterVariation, STENCIL, Sampling, Transient,
+    TransientCase,
 };
 use asperity_law::{Constant, ContactDamping, Friction};
 use asperity_mesh::{Body, Interface, Port, Stack, Support};
@@ -119,6 +120,26 @@ fn a_block_that_leaves_its_spring_moves_as_in_closed_form() {
 fn variable(tolerance: f64, step: Option<f64>, modes: usize) -> Modal {
     let (tolerance, modes_per_body) = (Some(tolerance), Some(modes));
     Modal { step, modes_per_body, tolerance, ..Modal::default() }
+}
+
+/// While contact holds the steps are of sixth order: a tolerance of a 4096th takes four times the steps, where fourth
+/// order takes eight; and the response tends to the one at the least tolerance.
+#[test]
+fn a_smooth_response_takes_steps_of_sixth_order() {
+    let run = |tolerance: f64| {
+        run_at(&rig(&power()), &variable(tolerance, Some(1e-4), 3), 0.0, &pulse(9.0), (4e-3, 1e4))
+    };
+    let exact = run(1e-9);
+    let [coarse, fine] = [4e-5, 1e-8].map(run);
+    assert!(exact.contacts.iter().all(|contact| contact.lost == 0.0));
+    let ratio = fine.steps as f64 / coarse.steps as f64;
+    let off = |found: &Transient| {
+        let displacements = [found, &exact].map(|one| &one.history.sensors[0].displacement);
+        relative_norm(displacements[0], displacements[1])
+    };
+    let errors = [&coarse, &fine].map(off);
+    assert!(ratio < 5.5, "{ratio}: {} {} {errors:?}", coarse.steps, fine.steps);
+    assert!(errors[1] < 1e-7 && errors[1] < 1e-3 * errors[0], "{errors:?}");
 }
 
 /// Waves across an interface that opens and closes, damped and not, against its own equation by the

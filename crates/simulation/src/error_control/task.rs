@@ -10,6 +10,7 @@ use asperity_dynamics::{
 };
 use asperity_law::LawError;
 
+use super::Reference;
 use super::converged_run::{ConvergedRun, RunRequest};
 use asperity_structure::LoadCase;
 
@@ -112,8 +113,8 @@ pub(super) struct Task<'a> {
     /// True if the scenario gives the step, or the modes.
     step_is_given: bool,
     modes_are_given: bool,
-    /// True for a reference run, whose level is the level of many runs.
-    is_reference: bool,
+    /// The runs whose level is the level of this run.
+    serves: Option<Reference>,
     pub(super) level: Level,
     steps: StepLengths,
     /// Successive levels without a response.
@@ -162,7 +163,7 @@ impl<'a> Task<'a> {
             duration: case.duration,
             step_is_given: modal.step.is_some(),
             modes_are_given: modal.modes_per_body.is_some(),
-            is_reference: false,
+            serves: None,
             level: Level::default(),
             steps: if modal.step.is_some() || case.model.preloaded().friction().is_some() {
                 StepLengths::AlwaysEqual
@@ -213,8 +214,16 @@ impl<'a> Task<'a> {
         self.case(level, self.request.load.clone())
     }
 
-    pub(super) fn reference(request: &'a RunRequest) -> Result<Self, SimulationError> {
-        Ok(Self { is_reference: true, ..Self::new(request)? })
+    pub(super) fn reference(
+        request: &'a RunRequest,
+        kind: Reference,
+    ) -> Result<Self, SimulationError> {
+        Ok(Self { serves: Some(kind), ..Self::new(request)? })
+    }
+
+    /// True for the reference run of an octave, of no use where contact is lost.
+    fn is_of_octave(&self) -> bool {
+        self.serves == Some(Reference::Octave)
     }
 
     /// True for a response that loses contact at equal steps and may have steps of its own.
@@ -228,7 +237,7 @@ impl<'a> Task<'a> {
         if !self.is_open_at_equal_steps() {
             return;
         }
-        if self.is_reference {
+        if self.is_of_octave() {
             self.accept_or_refine();
         } else {
             (self.steps, self.level, self.fine) = (StepLengths::Own, FIRST_VARIED, None);
@@ -238,7 +247,10 @@ impl<'a> Task<'a> {
     /// True if the fine response is compared with one of half the step, false for one of twice the step.
     /// Half the step costs more, and is worth it where the longer step then serves many runs.
     fn compares_with_half(&self) -> bool {
-        self.is_reference || self.step_is_given
+        let serves_at_own_steps = self.serves == Some(Reference::Near)
+            && self.varies_steps()
+            && self.level.step < MOST_TOLERANCES;
+        self.is_of_octave() || serves_at_own_steps || self.step_is_given
     }
 
     /// Level of the response of another step.
@@ -320,11 +332,12 @@ impl<'a> Task<'a> {
             return ErrorEstimate::unknown(fine.observables.all(), self.accuracy());
         }
         // Of second order while contact holds; of first where it is lost, or where friction begins to
-        // slip. At steps of its own, of no
-        // certain order: half the difference is a bound by experience.
+        // slip. At steps of its own, of no certain order: half the difference from a coarser one is a bound by
+        // experience, and twice the difference from a finer one, which bounds the errors of near runs too.
         let kinks = fine.loses_contact() || other.loses_contact() || fine.has_friction();
         let divisor = match (self.compares_with_half(), kinks) {
-            _ if self.varies_steps() => 2.0,
+            (false, _) if self.varies_steps() => 2.0,
+            (true, _) if self.varies_steps() => 0.5,
             (false, false) => 3.0,
             (false, true) => 1.0,
             (true, false) => 0.75,
@@ -482,7 +495,7 @@ impl<'a> Task<'a> {
             Some(Err(error)) => self.done = Some(Err(error)),
             // The runs of this reference are refined one by one.
             Some(Ok(fine))
-                if self.is_reference
+                if self.is_of_octave()
                     && (fine.loses_contact() || self.is_far_from_converged(&fine)) =>
             {
                 let estimate = ErrorEstimate::unknown(fine.observables.all(), self.accuracy());

@@ -8,10 +8,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use asperity_structure::LoadCase;
 use pulp::Simd;
 
+use super::StepControl;
+use super::bend::{Bends, StepBefore};
 use super::contact_solve::{Contact, FreeEnd, RowState, RowStep, solve};
 use super::measures::{ContactMeasure, Measures};
 use super::modal_motion::{ModalMotion, StepLoad, lanes};
-use super::{StepControl, hermite, hermite_slope};
 use crate::contact_energy::excess;
 use crate::modal::assembly::ModalModel;
 use crate::modal::step_coefficients::{LANES, Lanes, StepCoefficients};
@@ -24,8 +25,9 @@ const MOST_HALVINGS: usize = 14;
 /// Halvings of the base step at rest.
 const FIRST_HALVINGS: usize = 4;
 
-/// Error over its bound below which the next step is doubled: the error is of fourth order.
+/// Error over its bound below which the next step is doubled: the error is of fourth order, and of sixth in bent steps.
 const SMALL: f64 = 1.0 / 40.0;
+const SMALL_IF_BENT: f64 = 1.0 / 160.0;
 
 /// Traction over the static pressure that counts as the largest so far at rest.
 const LEAST_TRACTION: f64 = 1e-3;
@@ -47,6 +49,19 @@ struct Level<const N: usize> {
     rows: RowStep<N>,
 }
 
+/// End of a step that was tried.
+#[derive(Debug, Clone, Copy)]
+struct Attempt<const N: usize> {
+    rows: RowState<N>,
+    /// Bends of the tractions, if it is bent, and what they exceed those by which the modes have moved.
+    bends: Option<Bends<N>>,
+    changes: Bends<N>,
+    /// Error of the tractions over the tolerance.
+    error: f64,
+    /// True if no contact opened or closed.
+    is_smooth: bool,
+}
+
 /// A case on its way.
 pub(super) struct Integration<'a, const N: usize> {
     model: &'a ModalModel,
@@ -65,8 +80,7 @@ pub(super) struct Integration<'a, const N: usize> {
     loaded: [f64; 2],
     /// Displacement \[m\] and velocity \[m/s\] of the load port.
     pub(super) load_port: [f64; 2],
-    /// The step before: its length, and the rows at its beginning.
-    before: Option<(f64, RowState<N>)>,
+    before: Option<StepBefore<N>>,
     /// Largest traction of each row so far.
     largest: [f64; N],
     measures: Measures,
@@ -142,14 +156,15 @@ impl<'a, const N: usize> Integration<'a, N> {
             self.pressed += 1;
             while passed < whole {
                 let start = step as f64 + passed as f64 / whole as f64;
-                let error = loop {
+                let is_small = loop {
                     let load = self.load_within(&coefficients, start);
                     let is_shortest = level == MOST_HALVINGS;
-                    if let Some((end, error)) = self.attempt(simd, &coefficients, load, is_shortest)
-                        && (error <= 1.0 || is_shortest)
+                    if let Some(end) = self.attempt(simd, &coefficients, load, is_shortest)
+                        && (end.error <= 1.0 || is_shortest)
                     {
-                        self.complete(simd, &coefficients, load, end);
-                        break error;
+                        let small = if end.bends.is_some() { SMALL_IF_BENT } else { SMALL };
+                        self.complete(simd, &coefficients, load, &end);
+                        break end.error < small;
                     }
                     if is_shortest || self.taken > MOST_STEPS {
                         return Err(self.unstable(start));
@@ -158,7 +173,7 @@ impl<'a, const N: usize> Integration<'a, N> {
                     coefficients = self.level(level);
                 };
                 passed += whole >> level;
-                if error < SMALL
+                if is_small
                     && level > 0
                     && passed.is_multiple_of(whole >> (level - 1))
                     && self.may_lengthen(level)
@@ -238,8 +253,8 @@ impl<'a, const N: usize> Integration<'a, N> {
         Some(StepLoad { coefficients: [first, slope, bend], end })
     }
 
-    /// The rows at the end of a step, and the error of its tractions over the tolerance; none where the
-    /// contacts are not solved. In the shortest step a traction may jump, as damped faces meet.
+    /// The end of a step; none where the contacts are not solved. In the shortest step a traction may jump, as
+    /// damped faces meet.
     #[inline(always)]
     fn attempt<S: Simd>(
         &mut self,
@@ -247,11 +262,21 @@ impl<'a, const N: usize> Integration<'a, N> {
         level: &Level<N>,
         load: Option<StepLoad>,
         may_jump: bool,
-    ) -> Option<(RowState<N>, f64)> {
+    ) -> Option<Attempt<N>> {
         let step = level.coefficients.step;
+        let guess = self.before.as_ref().map(|before| before.continued(&self.rows, step));
         let is_damped = level.rows.is_damped();
+        // Not with dampers, whose tractions change faster than a step: bends by what was before would grow.
+        let bends = match (&self.before, &guess) {
+            (Some(before), Some(guess)) if before.is_smooth && !is_damped => {
+                Some(before.bends([&self.rows, guess], step))
+            }
+            _ => None,
+        };
+        let guess = guess.unwrap_or(self.rows);
+        let moved = bends.unwrap_or([[0.0; N]; 2]);
         let [closure, rate, acceleration] =
-            self.modes.move_freely(simd, &level.coefficients, load, is_damped);
+            self.modes.move_freely(simd, &level.coefficients, (load, &moved), is_damped);
         let mut free = FreeEnd { closure, rate, acceleration };
         if let Some(StepLoad { end: [value, slope], .. }) = load {
             for i in 0..N {
@@ -259,40 +284,30 @@ impl<'a, const N: usize> Integration<'a, N> {
                 free.rate[i] += self.closure_per_load[i] * slope;
             }
         }
-        let guess = self.continued(step);
         let end = solve(&self.contacts, &level.rows, &free, [&self.rows, &guess], &self.largest);
-        let end = end
+        let rows = end
             .or_else(|last| if may_jump && last.is_finite() { Ok(last) } else { Err(()) })
             .ok()?;
-        let share = match &self.before {
-            Some((before, _)) => (step / (step + before)).powi(2) / 16.0,
-            None => 1.0,
+        let is_smooth = self.contacts.iter().enumerate().all(|(i, contact)| {
+            let [before, after] = [&self.rows, &rows].map(|rows| rows.traction[i] <= contact.least);
+            before == after
+        });
+        let bends = match &self.before {
+            Some(before) if bends.is_some() && is_smooth => {
+                Some(before.bends([&self.rows, &rows], step))
+            }
+            _ => None,
         };
+        let share = self.before.as_ref().map_or(1.0, |one| one.error_share(step, bends.is_some()));
         let mut largest = 0.0_f64;
         for i in 0..N {
-            let scale = self.largest[i].max(end.traction[i].abs());
-            largest = largest.max((end.traction[i] - guess.traction[i]).abs() / scale);
+            let scale = self.largest[i].max(rows.traction[i].abs());
+            largest = largest.max((rows.traction[i] - guess.traction[i]).abs() / scale);
         }
-        Some((end, share * largest / self.control.tolerance))
-    }
-
-    /// The rows at the end of a step by the cubics of the step before.
-    #[inline(always)]
-    fn continued(&self, step: f64) -> RowState<N> {
-        let mut next = self.rows;
-        let Some((length, before)) = &self.before else { return next };
-        let s = 1.0 + step / length;
-        for i in 0..N {
-            let ends = [
-                before.traction[i],
-                before.traction_rate[i] * length,
-                self.rows.traction[i],
-                self.rows.traction_rate[i] * length,
-            ];
-            next.traction[i] = hermite(ends, s);
-            next.traction_rate[i] = hermite_slope(ends, s) / length;
-        }
-        next
+        let kept = bends.unwrap_or([[0.0; N]; 2]);
+        let changes = array::from_fn(|k| array::from_fn(|i| kept[k][i] - moved[k][i]));
+        let error = share * largest / self.control.tolerance;
+        Some(Attempt { rows, bends, changes, error, is_smooth })
     }
 
     /// Completes a step whose rows at its end are known.
@@ -302,13 +317,14 @@ impl<'a, const N: usize> Integration<'a, N> {
         simd: S,
         level: &Level<N>,
         load: Option<StepLoad>,
-        end: RowState<N>,
+        end: &Attempt<N>,
     ) {
         let step = level.coefficients.step;
-        let tractions = [&end.traction, &end.traction_rate];
-        let done = self.modes.complete(simd, &level.coefficients, load, tractions);
+        let tractions = [&end.rows.traction, &end.rows.traction_rate];
+        let forces = (tractions, &end.changes);
+        let done = self.modes.complete(simd, &level.coefficients, load, forces);
         self.measures.loss += done.loss;
-        let begin = std::mem::replace(&mut self.rows, end);
+        let begin = std::mem::replace(&mut self.rows, end.rows);
         self.loaded = load.map_or([0.0; 2], |load| load.end);
         let residual = &self.model.row_modes().residual;
         let by_load = self.loaded.map(|load| residual.load_port * load);
@@ -327,7 +343,9 @@ impl<'a, const N: usize> Integration<'a, N> {
                 self.pressed = 0;
             }
         }
-        self.before = Some((step, begin));
+        let earlier = self.before.as_ref().map_or(0.0, |before| before.step);
+        let bent = end.bends.map(|bends| (bends, earlier));
+        self.before = Some(StepBefore { step, rows: begin, bent, is_smooth: end.is_smooth });
         self.taken += 1;
         self.shortest = self.shortest.min(step);
     }

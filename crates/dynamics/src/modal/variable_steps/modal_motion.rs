@@ -4,6 +4,7 @@ use std::array;
 
 use pulp::Simd;
 
+use super::bend::Bends;
 use crate::modal::row_modes::RowMode;
 use crate::modal::step_coefficients::{LANES, Lanes, ModeBlock, StepCoefficients};
 
@@ -76,16 +77,17 @@ impl<const N: usize> ModalMotion<N> {
         Self { states: vec![State::default(); shapes.len()], shapes }
     }
 
-    /// Moves the modes to the end of a step without the tractions there, and gives the closures; with dampers their
-    /// accelerations too.
+    /// Moves the modes to the end of a step without the tractions there, by the load and the bends of the tractions, and
+    /// gives the closures; with dampers their accelerations too.
     #[inline(always)]
     pub(super) fn move_freely<S: Simd>(
         &mut self,
         simd: S,
         step: &StepCoefficients,
-        load: Option<StepLoad>,
+        (load, bends): (Option<StepLoad>, &Bends<N>),
         is_damped: bool,
     ) -> RowMotion<N> {
+        let bends = bends.map(|of_rows| of_rows.map(|number| simd.splat_f64s(number)));
         let mut sums = [[simd.splat_f64s(0.0); N]; 3];
         for ((state, shares), shape) in self.states.iter_mut().zip(&step.blocks).zip(&self.shapes) {
             for r in 0..LANES / S::F64_LANES {
@@ -103,6 +105,7 @@ impl<const N: usize> ModalMotion<N> {
                         *free = add_products(simd, *free, shares.iter().map(of).zip(numbers));
                     }
                 }
+                add_bends(simd, &mut free, (shares, shape, r), bends);
                 for i in 0..N {
                     let closure = of(&shape.closure[i]);
                     for (sum, free) in sums.iter_mut().zip(free) {
@@ -121,18 +124,27 @@ impl<const N: usize> ModalMotion<N> {
                 }
             }
         }
-        sums.map(|of_rows| of_rows.map(|sum| simd.reduce_sum_f64s(sum)))
+        // Not by `map`, which would not become part of this function.
+        let mut motion = [[0.0; N]; 3];
+        for (motion, sums) in motion.iter_mut().zip(&sums) {
+            for i in 0..N {
+                motion[i] = simd.reduce_sum_f64s(sums[i]);
+            }
+        }
+        motion
     }
 
-    /// Completes the step that was [moved freely](Self::move_freely) by the tractions and their rates at its end.
+    /// Completes the step that was [moved freely](Self::move_freely) by the tractions and their rates at its end, and
+    /// changes of their bends.
     #[inline(always)]
     pub(super) fn complete<S: Simd>(
         &mut self,
         simd: S,
         step: &StepCoefficients,
         load: Option<StepLoad>,
-        tractions: [&[f64; N]; 2],
+        (tractions, bends): ([&[f64; N]; 2], &Bends<N>),
     ) -> Completed {
+        let bends = bends.map(|of_rows| of_rows.map(|number| simd.splat_f64s(number)));
         let tractions = tractions.map(|of_rows| of_rows.map(|number| simd.splat_f64s(number)));
         let [half, sixth] = [0.5, step.step / 6.0].map(|number| simd.splat_f64s(number));
         let mut loss = simd.splat_f64s(0.0);
@@ -148,6 +160,7 @@ impl<const N: usize> ModalMotion<N> {
                 for (moved, shares) in moved.iter_mut().zip(&shares.end) {
                     *moved = add_products(simd, *moved, shares.iter().map(of).zip(forces));
                 }
+                add_bends(simd, &mut moved, (shares, shape, r), bends);
                 let participation = of(&shape.load);
                 for (port, moved) in load_port.iter_mut().zip(moved) {
                     *port = simd.mul_add_e_f64s(participation, moved, *port);
@@ -232,6 +245,24 @@ fn acceleration<S: Simd>(
         }
     }
     sum
+}
+
+/// Adds the displacements and velocities by bends of the tractions, in register `r`.
+#[inline(always)]
+fn add_bends<S: Simd, const N: usize>(
+    simd: S,
+    moved: &mut [S::f64s; 2],
+    (shares, shape, r): (&ModeBlock, &Shape<N>, usize),
+    bends: [[S::f64s; N]; 2],
+) {
+    let of = |lanes: &Lanes| register::<S>(lanes, r);
+    let forces = bends.map(|of_rows| {
+        let pairs = shape.force.iter().map(of).zip(of_rows);
+        simd.neg_f64s(add_products(simd, simd.splat_f64s(0.0), pairs))
+    });
+    for (moved, shares) in moved.iter_mut().zip(&shares.bend) {
+        *moved = add_products(simd, *moved, shares.iter().map(of).zip(forces));
+    }
 }
 
 /// Some of the lanes, side by side in register `r`.
