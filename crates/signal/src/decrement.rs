@@ -20,6 +20,8 @@ pub struct LogarithmicDecrement {
 
 /// Smallest peak-to-peak height used, over the first.
 const FLOOR: f64 = 1e-4;
+/// Samples a cycle through which extrema are refined, at most twice as many.
+const SAMPLES_A_CYCLE: f64 = 64.0;
 /// Fewest heights for a line and its scatter.
 const FEWEST: usize = 3;
 
@@ -31,7 +33,7 @@ const FEWEST: usize = 3;
 /// ```
 ///
 /// with `u_k` the alternating extrema, refined by a quartic through five
-/// samples. Their differences do not contain the offset `c`; the line is fitted by least
+/// samples, of 64 to 128 a cycle where there are more. Their differences do not contain the offset `c`; the line is fitted by least
 /// squares.
 ///
 /// - `samples`: free decay from the first sample on, any unit. The first extremum taken is a
@@ -141,11 +143,13 @@ struct Extremum {
 fn alternating_extrema(samples: &[f64], start: f64, per_cycle: f64) -> Vec<Extremum> {
     // At least two, with eight samples a cycle.
     let quarter = (0.25 * per_cycle) as usize;
+    // Closer samples of a faster ripple, or of noise, may have no vertex.
+    let stride = ((per_cycle / SAMPLES_A_CYCLE) as usize).max(1);
     let first = start + 0.25 * per_cycle;
     let mut extrema: Vec<Extremum> = Vec::new();
     let mut floor = f64::MIN_POSITIVE;
     for n in quarter..samples.len().saturating_sub(quarter) {
-        let Some(extremum) = extremum_at(samples, n, quarter) else {
+        let Some(extremum) = extremum_at(samples, n, quarter, stride) else {
             continue;
         };
         // By its time, so that the first one does not depend on the sample rate.
@@ -168,8 +172,8 @@ fn alternating_extrema(samples: &[f64], start: f64, per_cycle: f64) -> Vec<Extre
     extrema
 }
 
-/// The extremum at sample `n`, if no sample within a quarter of a cycle exceeds it.
-fn extremum_at(samples: &[f64], n: usize, quarter: usize) -> Option<Extremum> {
+/// The extremum at sample `n`, if no sample within a quarter of a cycle exceeds it, refined by samples `stride` apart.
+fn extremum_at(samples: &[f64], n: usize, quarter: usize, stride: usize) -> Option<Extremum> {
     let here = samples[n];
     let (before, after) = (samples[n - 1], samples[n + 1]);
     let is_maximum = here > before && here >= after;
@@ -181,6 +185,7 @@ fn extremum_at(samples: &[f64], n: usize, quarter: usize) -> Option<Extremum> {
     if !samples[n - quarter..=n + quarter].iter().all(inside) {
         return None;
     }
-    let (shift, value) = quartic_vertex([samples[n - 2], before, here, after, samples[n + 2]])?;
-    Some(Extremum { time: n as f64 + shift, value, is_maximum })
+    let at = |k: usize| samples[n + k * stride - 2 * stride];
+    let (shift, value) = quartic_vertex([at(0), at(1), here, at(3), at(4)])?;
+    Some(Extremum { time: n as f64 + shift * stride as f64, value, is_maximum })
 }

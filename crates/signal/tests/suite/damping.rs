@@ -1,5 +1,7 @@
 //! Damping ratios of oscillators from half-power widths and decays.
 
+use std::f64::consts::TAU;
+
 use crate::oscillator::{Mode, hit};
 use asperity_signal::{
     HalfPower, HarmonicOptions, find_harmonics, half_power, half_power_crossings, half_power_of,
@@ -75,12 +77,12 @@ fn the_decrement_of_a_decay_is_exact_and_free_of_offset() {
                 .collect();
             let found = logarithmic_decrement(&samples, rate, 800.0).unwrap();
             assert!((found.ratio / damping - 1.0).abs() < 1e-7, "{damping}: {found:?}");
-            let damped = mode.damped_omega() / std::f64::consts::TAU;
+            let damped = mode.damped_omega() / TAU;
             assert!((found.frequency_hz / damped - 1.0).abs() < 1e-4, "{found:?}");
             assert!(found.scatter < 1e-4, "{found:?}");
             // From the first height to 1e-4 of it, or to the end of the record; up to a quarter of a cycle
             // and half a cycle are left out at either end.
-            let decrement = std::f64::consts::TAU * damping / (1.0 - damping * damping).sqrt();
+            let decrement = TAU * damping / (1.0 - damping * damping).sqrt();
             let expected = (1e4_f64.ln() / decrement).min(0.2 * damped);
             assert!((found.cycles - expected).abs() < 2.1, "{} {expected}", found.cycles);
         }
@@ -101,6 +103,25 @@ fn the_decrement_converges_with_the_sampling() {
     };
     let slope = (scatter(17.3) / scatter(4.0 * 17.3)).log2() / 2.0;
     assert!((slope - 5.0).abs() < 0.4, "slope {slope}");
+}
+
+/// Of many samples a cycle a ripple of a light body, far below the decay, hides no extremum.
+#[test]
+fn a_ripple_does_not_end_the_decay() {
+    let (rate, frequency, damping) = (2e5, 930.0, 0.035_f64);
+    let natural = TAU * frequency / (1.0 - damping * damping).sqrt();
+    let decay = |ripple: f64| -> Vec<f64> {
+        let at = |t: f64| {
+            let swing = (-damping * natural * t).exp() * (TAU * frequency * t).cos();
+            swing + 3e-6 * (TAU * ripple * t).cos()
+        };
+        (0..12_000).map(|n| at(f64::from(n) / rate)).collect()
+    };
+    for ripple in (20..98).map(|k| 1e3 * f64::from(k) + 321.0) {
+        let found = logarithmic_decrement(&decay(ripple), rate, frequency).unwrap();
+        assert!((found.cycles - 41.5).abs() < 1.1, "{ripple}: {found:?}");
+        assert!((found.ratio / damping - 1.0).abs() < 3e-3, "{ripple}: {found:?}");
+    }
 }
 
 /// Verified against the documentation: signals that are no decay give `None`.

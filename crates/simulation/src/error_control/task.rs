@@ -25,7 +25,7 @@ const MOST_REFINEMENTS: i32 = 7;
 
 /// Error of the contact pressures within a step, over the largest, of the first level at steps of its
 /// own; of each further level a sixteenth.
-const FIRST_TOLERANCE: f64 = 1e-5;
+const FIRST_TOLERANCE: f64 = 4e-6;
 
 /// First level at steps of its own: what opens and closes excites more modes.
 const FIRST_VARIED: Level = Level { step: 1, modes: 3 };

@@ -20,7 +20,7 @@ use super::{hermite, hermite_slope};
 
 /// Share of a tolerance that the error of a bent step may have: while the cubic is symmetric in the ends of a step, and leaves
 /// the energy of an oscillation as it is, the bend is not. By comparison with runs of a hundredth of the tolerance.
-const BENT_SHARE: f64 = 1.0 / 6.0;
+const BENT_SHARE: f64 = 1.0 / 3.0;
 
 /// Bends a and b of each row.
 pub(super) type Bends<const N: usize> = [[f64; N]; 2];
