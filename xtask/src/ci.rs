@@ -3,10 +3,12 @@
 //! Each step runs to its end with its output untouched, followed by a line with its outcome and
 //! time. The first failure ends the run.
 
+use std::cell::Cell;
 use std::io::Write;
+use std::thread;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 
 use crate::workspace::cargo;
 use crate::{package, python, tidy};
@@ -45,10 +47,16 @@ const RANDOM_SEED: &str = "PROPTEST_RNG_SEED";
 /// xtask. With `quick` only the steps of the inner loop run: format, lints, unit tests, tidy.
 pub(crate) fn run(quick: bool, tasks: &clap::Command) -> Result<bool> {
     let steps: &[(&str, &str)] = if quick { &QUICK } else { &ALL };
+    // Packages of Python come while compilers work.
+    let environment = Cell::new((!quick).then(|| thread::spawn(python::prepare)));
     let check = |name: &str, arguments: &str| match name {
         "tidy" => tidy::run(tasks),
         "package" => package::run(),
-        "python" => python::run(),
+        "python" => {
+            let environment = environment.take().context("python is one step")?;
+            let prepared = environment.join().unwrap_or_else(|_| bail!("pip's thread panicked"))?;
+            python::run(prepared.as_ref())
+        }
         _ => run_cargo(name, arguments),
     };
     run_steps(steps, check, &mut std::io::stdout())

@@ -71,7 +71,7 @@ fn main() -> ExitCode {
         Task::Ci { quick } => ci::run(quick, &Cli::command()),
         Task::Tidy => tidy::run(&Cli::command()),
         Task::Package => package::run(),
-        Task::Python => python::run(),
+        Task::Python => python::prepare().and_then(|environment| python::run(environment.as_ref())),
         Task::Bench => bench::run(),
         Task::Campaign(arguments) => campaign::run(&arguments),
         Task::Fuzz(arguments) => fuzz::run(&arguments),
