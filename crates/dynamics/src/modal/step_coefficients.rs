@@ -1,10 +1,9 @@
 //! All numbers of a step of one length that depend on neither the state nor the load.
 //!
 //! Within a step the traction of each row is the cubic through its values and rates at both ends
-//! (Hermite), bent to pass through those of the end before ([`bend`](super::variable_steps)), for a mode that
-//! turns slowly enough, and their mean for a faster one. A rigid motion on a
-//! spring, r radians a step, then keeps its energy up to r = 3, and turns too slowly by the share
-//! `r^4 / 1440`. A mode too fast even for the mean follows its forces at once.
+//! (Hermite) with a bend, for a mode that turns slowly enough, and their mean for a faster one. Without a bend a
+//! rigid motion on a spring, r radians a step, keeps its energy up to r = 3, and turns too slowly by the
+//! share `r^4 / 1440`. A mode too fast even for the mean follows its forces at once.
 
 use std::array;
 

@@ -18,8 +18,8 @@
 use super::contact_solve::RowState;
 use super::{hermite, hermite_slope};
 
-/// Share of a tolerance that the error of a bent step may have: while the cubic is symmetric in the ends of a step, and leaves
-/// the energy of an oscillation as it is, the bend is not. By comparison with runs of a hundredth of the tolerance.
+/// Share of the tolerance for the error of a bent step. The cubic is symmetric in the ends of a step and keeps the energy of
+/// an oscillation; the bend is not and does not. By comparison with runs of a hundredth of the tolerance.
 const BENT_SHARE: f64 = 1.0 / 3.0;
 
 /// Bends a and b of each row.
