@@ -331,9 +331,8 @@ impl<'a> Task<'a> {
             // The error of the finer one may be the larger.
             return ErrorEstimate::unknown(fine.observables.all(), self.accuracy());
         }
-        // Of second order while contact holds; of first where it is lost, or where friction begins to
-        // slip. At steps of its own, of no certain order: half the difference from a coarser one is a bound by
-        // experience, and twice the difference from a finer one, which bounds the errors of near runs too.
+        // Of second order while contact holds; of first where it is lost, or friction begins to slip. At steps of its own
+        // half the difference from a coarser one is a bound by experience; twice that from a finer one bounds near runs too.
         let kinks = fine.loses_contact() || other.loses_contact() || fine.has_friction();
         let divisor = match (self.compares_with_half(), kinks) {
             (false, _) if self.varies_steps() => 2.0,
@@ -521,7 +520,6 @@ impl<'a> Task<'a> {
                     "errors estimated"
                 );
                 let residual = fine.record.energy.residual_relative();
-                // An error that is not a number is not small.
                 let accuracy = self.accuracy();
                 let exceeds = |estimate: &ErrorEstimate, share: f64| {
                     estimate.relative.is_nan() || estimate.relative > share * accuracy
