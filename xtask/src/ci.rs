@@ -53,7 +53,7 @@ pub(crate) fn run(quick: bool, tasks: &clap::Command) -> Result<bool> {
         "tidy" => tidy::run(tasks),
         "package" => package::run(),
         "python" => {
-            let environment = environment.take().context("python is one step")?;
+            let environment = environment.take().context("one step alone takes the environment")?;
             let prepared = environment.join().unwrap_or_else(|_| bail!("pip's thread panicked"))?;
             python::run(prepared.as_ref())
         }

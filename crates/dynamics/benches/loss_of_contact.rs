@@ -21,7 +21,7 @@ const LONGEST: f64 = 12.5e-6;
 
 /// Parts of the longest step of equal steps, and tolerances of steps of their own.
 const PARTS: [u32; 3] = [1, 8, 32];
-const TOLERANCES: [f64; 3] = [1e-5, 6e-7, 4e-8];
+const TOLERANCES: [f64; 3] = [4e-6, 2.5e-7, 1.6e-8];
 
 fn main() {
     let structure = PreloadedStructure::new(rig(), Damping::Ratio(0.035)).unwrap();
@@ -61,8 +61,8 @@ fn main() {
     for (hits, seconds, steps) in &all {
         let name = match hits[0].tolerance {
             None => format!("equal steps of {:.2} us", 1e6 * hits[0].step.unwrap()),
-            Some(tolerance) if hits.len() == 1 => format!("steps of its own, {tolerance:.0e}"),
-            Some(tolerance) => format!("steps of their own, {tolerance:.0e}, full lanes"),
+            Some(tolerance) if hits.len() == 1 => format!("steps of its own, {tolerance:e}"),
+            Some(tolerance) => format!("steps of their own, {tolerance:e}, full lanes"),
         };
         println!("| {name} | {steps} | {:.2} | {:.1} |", 1e3 * seconds, shortest / seconds);
     }

@@ -20,7 +20,7 @@ pub struct LogarithmicDecrement {
 
 /// Smallest peak-to-peak height used, over the first.
 const FLOOR: f64 = 1e-4;
-/// Samples a cycle through which extrema are refined, at most twice as many.
+/// Samples a cycle to refine extrema by, or up to twice as many.
 const SAMPLES_A_CYCLE: f64 = 64.0;
 /// Fewest heights for a line and its scatter.
 const FEWEST: usize = 3;
@@ -33,8 +33,8 @@ const FEWEST: usize = 3;
 /// ```
 ///
 /// with `u_k` the alternating extrema, refined by a quartic through five
-/// samples, of 64 to 128 a cycle where there are more. Their differences do not contain the offset `c`; the line is fitted by least
-/// squares.
+/// samples, of 64 to 128 a cycle where there are more. Their differences do not contain the
+/// offset `c`; the line is fitted by least squares.
 ///
 /// - `samples`: free decay from the first sample on, any unit. The first extremum taken is a
 ///   quarter of a cycle later, or more.

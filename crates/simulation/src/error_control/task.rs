@@ -214,6 +214,7 @@ impl<'a> Task<'a> {
         self.case(level, self.request.load.clone())
     }
 
+    /// A run whose level and errors other runs take.
     pub(super) fn reference(
         request: &'a RunRequest,
         kind: Reference,

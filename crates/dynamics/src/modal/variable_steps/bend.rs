@@ -134,6 +134,12 @@ mod tests {
         StepBefore { step, rows: begin, bent: Some((bends, earlier)), is_smooth: true }
     }
 
+    /// The traction at a part `s` of a `step` between two states.
+    fn within(before: &StepBefore<1>, rows: [&RowState<1>; 2], step: f64, s: f64) -> f64 {
+        let [[a], [b]] = before.bends(rows, step);
+        hermite(ends(rows, 0, step), s) + bump(s)[0] * (a + b * s)
+    }
+
     #[test]
     fn polynomials_up_to_fifth_order_are_continued_and_bent_exactly() {
         for (lengths, power) in LENGTHS.into_iter().flat_map(|one| (1..=5).map(move |n| (one, n))) {
@@ -144,10 +150,9 @@ mod tests {
             assert!((end.traction[0] - expected.traction[0]).abs() < 1e-12, "{lengths:?} {power}");
             let error = end.traction_rate[0] - expected.traction_rate[0];
             assert!(error.abs() < 1e-11, "{lengths:?} {power}");
-            let [[a], [b]] = before.bends([&now, &end], step);
             for s in [0.1, 0.5, 0.8] {
-                let found = hermite(ends([&now, &end], 0, step), s) + bump(s)[0] * (a + b * s);
-                assert!((found - (s * step).powi(power)).abs() < 1e-12, "{lengths:?} {power} {s}");
+                let error = within(&before, [&now, &end], step, s) - (s * step).powi(power);
+                assert!(error.abs() < 1e-12, "{lengths:?} {power} {s}");
             }
         }
     }
@@ -161,13 +166,11 @@ mod tests {
             let (now, end) = (at(0.0, 6), at(step, 6));
             let off = (before.continued(&now, step).traction[0] - end.traction[0]).abs();
             let bound = BENT_SHARE * before.error_share(step, true) * off;
-            let [[a], [b]] = before.bends([&now, &end], step);
-            let within = (1..100).map(|k| {
+            let errors = (1..100).map(|k| {
                 let s = f64::from(k) / 100.0;
-                let found = hermite(ends([&now, &end], 0, step), s) + bump(s)[0] * (a + b * s);
-                (found - (s * step).powi(6)).abs()
+                (within(&before, [&now, &end], step, s) - (s * step).powi(6)).abs()
             });
-            let largest = within.fold(0.0, f64::max);
+            let largest = errors.fold(0.0, f64::max);
             assert!(largest <= bound && largest > 0.7 * bound, "{lengths:?}: {largest} {bound}");
         }
     }
