@@ -5,7 +5,7 @@
 
 use std::cell::Cell;
 use std::io::Write;
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -47,19 +47,22 @@ const RANDOM_SEED: &str = "PROPTEST_RNG_SEED";
 /// xtask. With `quick` only the steps of the inner loop run: format, lints, unit tests, tidy.
 pub(crate) fn run(quick: bool, tasks: &clap::Command) -> Result<bool> {
     let steps: &[(&str, &str)] = if quick { &QUICK } else { &ALL };
-    // Packages of Python come while compilers work.
+    // Registries are asked while compilers work.
     let environment = Cell::new((!quick).then(|| thread::spawn(python::prepare)));
+    let archives = Cell::new((!quick).then(|| thread::spawn(package::pack)));
     let check = |name: &str, arguments: &str| match name {
         "tidy" => tidy::run(tasks),
-        "package" => package::run(),
-        "python" => {
-            let environment = environment.take().context("one step alone takes the environment")?;
-            let prepared = environment.join().unwrap_or_else(|_| bail!("pip's thread panicked"))?;
-            python::run(prepared.as_ref())
-        }
+        "package" => Ok(finished(&archives)? && package::check()?),
+        "python" => python::run(finished(&environment)?.as_ref()),
         _ => run_cargo(name, arguments),
     };
     run_steps(steps, check, &mut std::io::stdout())
+}
+
+/// The outcome of a thread that one step alone takes.
+fn finished<T>(thread: &Cell<Option<JoinHandle<Result<T>>>>) -> Result<T> {
+    let thread = thread.take().context("its thread was not begun")?;
+    thread.join().unwrap_or_else(|_| bail!("its thread panicked"))
 }
 
 /// Runs cargo with `arguments`, separated by spaces; true if it succeeds.

@@ -6,7 +6,7 @@
 //! that an archive lacks is found all the same.
 
 use std::fs::{self, File};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use flate2::read::GzDecoder;
@@ -16,9 +16,18 @@ use crate::workspace::{cargo, workspace_root};
 /// Packs all packages and checks libraries, commands and examples from the archives; true if all
 /// compile.
 pub(crate) fn run() -> Result<bool> {
-    let target = std::path::absolute(workspace_root().join("target"))?;
-    let packages = target.join("packages");
-    let (archives, unpacked) = (packages.join("package"), packages.join("workspace"));
+    Ok(pack()? && check()?)
+}
+
+/// Folders of the archives and of the workspace of their contents.
+fn folders() -> Result<[PathBuf; 2]> {
+    let packages = std::path::absolute(workspace_root().join("target/packages"))?;
+    Ok([packages.join("package"), packages.join("workspace")])
+}
+
+/// Packs all packages into archives, apart from what cargo builds meanwhile; true if it succeeds.
+pub(crate) fn pack() -> Result<bool> {
+    let [archives, unpacked] = folders()?;
     for folder in [&archives, &unpacked] {
         if folder.exists() {
             fs::remove_dir_all(folder).with_context(|| folder.display().to_string())?;
@@ -28,12 +37,15 @@ pub(crate) fn run() -> Result<bool> {
     let pack = "package --workspace --exclude xtask --exclude asperity-python --allow-dirty \
                 --no-verify --quiet";
     let packed = cargo(&pack.split(' ').collect::<Vec<_>>())
-        .env("CARGO_TARGET_DIR", &packages)
+        .env("CARGO_TARGET_DIR", archives.parent().context("no folder of archives")?)
         .status()
         .context("cannot run cargo package")?;
-    if !packed.success() {
-        return Ok(false);
-    }
+    Ok(packed.success())
+}
+
+/// Checks libraries, commands and examples from the archives; true if all compile.
+pub(crate) fn check() -> Result<bool> {
+    let [archives, unpacked] = folders()?;
     for entry in fs::read_dir(&archives)? {
         let path = entry?.path();
         if path.extension().is_some_and(|extension| extension == "crate") {
@@ -49,7 +61,7 @@ pub(crate) fn run() -> Result<bool> {
     let check = "check --workspace --all-features --lib --bins --examples";
     let checked = cargo(&check.split(' ').collect::<Vec<_>>())
         .current_dir(&unpacked)
-        .env("CARGO_TARGET_DIR", &target)
+        .env("CARGO_TARGET_DIR", std::path::absolute(workspace_root().join("target"))?)
         .status()
         .context("cannot run cargo check")?;
     Ok(checked.success())

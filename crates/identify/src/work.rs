@@ -46,6 +46,8 @@ pub struct WorkProgress {
     pub share: f64,
     /// Estimated time left; `None` before the first evaluations.
     pub left: Option<Duration>,
+    /// Time left that about one identification in ten exceeds: what a search finds decides on the work after it.
+    pub most: Option<Duration>,
 }
 
 /// The progress of an identification under way and a request to stop it, shared between threads.
@@ -100,11 +102,13 @@ impl Work {
         let state = state.as_mut()?;
         let since = state.moment.elapsed().as_secs_f64();
         let left = state.measured.seconds_left(&state.expected, since);
+        let most = state.measured.seconds_left(&state.expected.long(), since);
         let over = state.begun.elapsed().as_secs_f64();
         let share = left.map_or(0.0, |left| over / (over + left));
         state.shown = state.shown.max(share);
-        let left = left.and_then(|left| Duration::try_from_secs_f64(left).ok());
-        Some(WorkProgress { stage: state.stage, share: state.shown, left })
+        let [left, most] =
+            [left, most].map(|left| left.and_then(|left| Duration::try_from_secs_f64(left).ok()));
+        Some(WorkProgress { stage: state.stage, share: state.shown, left, most })
     }
 
     /// Begins, with what is expected.
@@ -200,7 +204,10 @@ mod tests {
             work.count(10);
             work.time(10, 1e-3);
             let now = work.progress().unwrap();
-            assert!(now.share >= last && now.share < 1.0 && now.left.is_some(), "{now:?}");
+            assert!(
+                now.share >= last && now.share < 1.0 && now.left.is_some() && now.most >= now.left,
+                "{now:?}"
+            );
             last = now.share;
             // A part that comes again belongs to the last.
             assert_eq!(now.stage, stage.max(WorkStage::Profiles).max(now.stage));

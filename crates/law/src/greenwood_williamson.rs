@@ -7,7 +7,7 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::contact_law::quadrature::gauss;
+use crate::contact_law::quadrature::{gauss, gauss_short};
 use crate::contact_law::{ContactLaw, Pressure};
 use crate::domain::{Domain, no_less};
 use crate::draw::{Draw, rounded};
@@ -15,15 +15,18 @@ use crate::error::{LawError, LawQuantity, above};
 use crate::law_form::LawForm;
 use summit_moments::SummitMoments;
 
-/// Newton steps at most; about five are needed.
+/// Halley steps at most; about three are needed.
 const ITERATIONS: usize = 60;
 
-/// Newton step of the gap whose square is below rounding.
-const SETTLED: f64 = 1e-9;
+/// Halley step of the gap whose cube is below rounding.
+const SETTLED: f64 = 1e-6;
 
 /// Relative increment of pressure, and increment of the gap in standard deviations, above which
 /// a difference of absolute values has enough digits.
 const SHORT: f64 = 0.5;
+
+/// Increment of the gap in standard deviations up to which the short rule integrates it to rounding.
+const BRIEF: f64 = 0.05;
 
 /// Greenwood-Williamson law: spherical summits of one radius R, of density η and of normally
 /// distributed heights with standard deviation σ, each in elastic Hertzian contact with a plane,
@@ -118,6 +121,11 @@ impl GreenwoodWilliamson {
     fn is_short(gap: f64, increment: f64) -> bool {
         increment.abs() < SHORT * (-0.25 * gap).max(1.0)
     }
+
+    /// True for an increment of the gap in σ over which pressures change little.
+    fn is_brief(gap: f64, increment: f64) -> bool {
+        increment.abs() * gap.max(1.0) < BRIEF * (-gap).max(1.0)
+    }
 }
 
 impl ContactLaw for GreenwoodWilliamson {
@@ -193,6 +201,22 @@ impl ContactLaw for GreenwoodWilliamson {
         Pressure { value, ..end }
     }
 
+    /// From the gap at `from`: pressures are sums at a gap.
+    fn pressure_step(&self, from: f64, closure_increment: f64) -> Option<Pressure> {
+        if from <= 0.0 {
+            return None;
+        }
+        let (start, width) = (self.at(from), closure_increment / self.height);
+        let end = self.state(start - width);
+        let tangent = |down: f64| self.state(start - down).tangent;
+        let value = if Self::is_brief(start, width) {
+            self.height * gauss_short(&tangent, 0.0, width)
+        } else {
+            end.value - from
+        };
+        Some(Pressure { value, ..end })
+    }
+
     fn energy(&self, closure: f64) -> f64 {
         let width = closure / self.height;
         if Self::is_short(self.reference, width) {
@@ -219,7 +243,12 @@ fn gap(share: f64) -> f64 {
     for _ in 0..ITERATIONS {
         let moments = SummitMoments::at(h);
         let off = moments.log_factor + moments.three_halves.ln() - target;
-        let step = off * moments.three_halves / (1.5 * moments.half);
+        // Of ln F_3/2 over h: the slope -a and the second derivative b.
+        let a = 1.5 * moments.half / moments.three_halves;
+        let b = 0.75 * moments.minus_half / moments.three_halves - a * a;
+        let newton = off / a;
+        let halley = newton / (1.0 - 0.5 * newton * b / a);
+        let step = if halley * newton > 0.0 { halley } else { newton };
         h += step;
         if step.abs() <= SETTLED * h.abs().max(1.0) || step.is_nan() {
             break;

@@ -26,6 +26,12 @@ pub struct InSeries<L> {
 /// lies in the bracket, is returned.
 const ITERATIONS: usize = 128;
 
+/// Steps of the closure of the law in a short step at most.
+const SHORT_ITERATIONS: usize = 4;
+
+/// Step of the closure, over it, whose square is below rounding.
+const SETTLED: f64 = 1e-9;
+
 /// Part of the closure below which a residual that no longer halves is rounding.
 const STALLED: f64 = 1e-13;
 
@@ -144,6 +150,22 @@ impl<L: ContactLaw> ContactLaw for InSeries<L> {
             layer: self.stiffness,
         };
         self.paired(curve.solve(closure_increment))
+    }
+
+    /// By short steps of the law, whose closures are found by Newton's method.
+    fn pressure_step(&self, from: f64, closure_increment: f64) -> Option<Pressure> {
+        let mut closure = closure_increment * self.share(self.law.stiffness(from));
+        for _ in 0..SHORT_ITERATIONS {
+            let inner = self.law.pressure_step(from, closure)?;
+            let residual = closure_increment - closure - self.layer(inner.value);
+            let step = residual * self.share(inner.tangent);
+            closure += step;
+            if step.abs() <= SETTLED * closure.abs() {
+                let value = inner.value + inner.tangent * step;
+                return Some(self.paired(Pressure { value, ..inner }));
+            }
+        }
+        None
     }
 
     fn energy(&self, closure: f64) -> f64 {

@@ -9,8 +9,8 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::contact_law::quadrature::{gauss, work_between};
-use crate::contact_law::{ContactLaw, Pressure, refine_increment};
+use crate::contact_law::quadrature::{gauss, gauss_short, work_between};
+use crate::contact_law::{ContactLaw, Pressure, inverse, refine_increment};
 use crate::domain::{Domain, no_less};
 use crate::draw::{Draw, rounded};
 use crate::error::{LawError, LawQuantity, above, at_most};
@@ -28,6 +28,9 @@ const NEGLIGIBLE: f64 = 45.0;
 /// increments and for absolute values: a difference of gaps or pressures then loses digits.
 const SHORT: f64 = 4.0;
 const CLOSE: f64 = 0.7;
+
+/// The same for increments that the short rule integrates to rounding.
+const BRIEF: f64 = 0.05;
 
 /// The same for increments that Newton steps find from the tangent.
 const SMALL: f64 = 1e-3;
@@ -298,6 +301,18 @@ impl ContactLaw for Persson {
             return refine_increment(self, from, closure_increment, guess);
         }
         self.state(guess, from + guess)
+    }
+
+    /// The default with the short rule for the closure where ln p changes little.
+    fn pressure_step(&self, from: f64, closure_increment: f64) -> Option<Pressure> {
+        let closure = |increment: f64| {
+            let (log, steps) = self.log_change(from, increment);
+            if steps > BRIEF {
+                return self.closure_increment(from, increment);
+            }
+            gauss_short(&|log: f64| self.length_at(from * log.exp()), 0.0, log)
+        };
+        inverse::step((from, closure_increment), |pressure| self.stiffness(pressure), closure)
     }
 
     /// Finite at full contact too, as dd = g dp / p.

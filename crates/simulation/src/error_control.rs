@@ -16,9 +16,11 @@
 //! | module | holds |
 //! |---|---|
 //! | `converged_run` | requests, and the runs that reach their accuracy |
+//! | `response` | the responses that a request is judged by |
 //! | `task` | one request while its step and modes are refined |
 
 mod converged_run;
+mod response;
 mod task;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,21 +28,17 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::{Batch, CaseResponse, DynamicsError, TransientCase};
 use asperity_signal::Complex64;
-use asperity_structure::LoadCase;
+use rayon::prelude::*;
 
 use crate::accuracy::ErrorEstimate;
 use crate::error::SimulationError;
 use crate::observable_extractor::ObservableExtractor;
+use crate::prepared_scenario::PreparedScenario;
 use crate::quantity::Quantity;
 pub use converged_run::{ConvergedRun, RunRequest};
-pub(crate) use task::contact_is_lost;
-use task::{Chosen, Response, Task};
-
-/// Relative change of the force of a perturbed run.
-const PERTURBATION: f64 = 1e-12;
-
-/// Difference of two displacements, over the largest, from which on they count as diverged.
-const DIVERGED: f64 = 1e-3;
+use response::{Kind, Response, divergence};
+pub(crate) use response::{contact_is_lost, divergence_sample, perturbed};
+use task::{Chosen, Task};
 
 /// Integrates transient cases to the accuracy of their scenarios.
 #[derive(Debug)]
@@ -262,25 +260,12 @@ impl ErrorControl {
     fn refine(&self, tasks: &mut [Task<'_>], mut numbers: Vec<usize>, stop: &AtomicBool) {
         let all = numbers.clone();
         while !numbers.is_empty() && !stop.load(Ordering::Relaxed) {
-            self.integrate_fine(tasks, &numbers, stop);
+            self.integrate_missing(tasks, &numbers, stop);
             for &n in &numbers {
                 tasks[n].vary_steps_if_open();
             }
             numbers.retain(|&n| tasks[n].done.is_none());
-            self.integrate_fine(tasks, &numbers, stop);
-            let compared =
-                |n: &&usize| matches!(tasks[**n].fine, Some(Ok(_))) && tasks[**n].other.is_none();
-            let open: Vec<usize> = numbers.iter().filter(compared).copied().collect();
-            let others = self.respond(tasks, &open, stop, |task| task.case_at(task.other_level()));
-            for (&n, other) in open.iter().zip(others) {
-                tasks[n].other = Some(other);
-            }
-            let lacking = |n: &usize| tasks[*n].lacks_truncation();
-            let open: Vec<usize> = numbers.iter().copied().filter(lacking).collect();
-            let fewer = self.respond(tasks, &open, stop, |task| task.case_at(task.fewer_level()));
-            for (n, fewer) in open.into_iter().zip(fewer) {
-                tasks[n].fewer = Some(fewer);
-            }
+            while self.integrate_missing(tasks, &numbers, stop) {}
             let suspect = numbers.iter().copied().filter(|&n| tasks[n].is_suspect()).collect();
             for (n, perturbed) in self.perturbed_runs(tasks, suspect, stop) {
                 if let (Some(Ok(fine)), Ok(perturbed)) = (&tasks[n].fine, perturbed) {
@@ -296,12 +281,28 @@ impl ErrorControl {
         self.compare_with_perturbed(tasks, &all, stop);
     }
 
+    /// Integrates what tasks miss at their level; false if they miss nothing.
+    fn integrate_missing(
+        &self,
+        tasks: &mut [Task<'_>],
+        numbers: &[usize],
+        stop: &AtomicBool,
+    ) -> bool {
+        let of_task = |&n: &usize| tasks[n].missing().map(move |kind| (n, kind));
+        let missing: Vec<(usize, Kind)> = numbers.iter().flat_map(of_task).collect();
+        self.integrate(tasks, &missing, stop);
+        !missing.is_empty()
+    }
+
     fn integrate_fine(&self, tasks: &mut [Task<'_>], numbers: &[usize], stop: &AtomicBool) {
-        let open: Vec<usize> =
-            numbers.iter().copied().filter(|&n| tasks[n].fine.is_none()).collect();
-        let responses = self.respond(tasks, &open, stop, |task| task.case_at(task.level));
-        for (n, response) in open.into_iter().zip(responses) {
-            tasks[n].fine = Some(response);
+        let open = numbers.iter().filter(|&&n| tasks[n].fine.is_none());
+        let missing: Vec<(usize, Kind)> = open.map(|&n| (n, Kind::Fine)).collect();
+        self.integrate(tasks, &missing, stop);
+    }
+
+    fn integrate(&self, tasks: &mut [Task<'_>], wanted: &[(usize, Kind)], stop: &AtomicBool) {
+        for (&(n, kind), response) in wanted.iter().zip(self.respond(tasks, wanted, stop)) {
+            tasks[n].take(kind, response);
         }
     }
 
@@ -336,68 +337,61 @@ impl ErrorControl {
         numbers: Vec<usize>,
         stop: &AtomicBool,
     ) -> Vec<(usize, Result<Response, SimulationError>)> {
-        let case = |task: &Task<'_>| task.case(task.level, perturbed(&task.request.load));
-        let runs = self.respond(tasks, &numbers, stop, case);
-        numbers.into_iter().zip(runs).collect()
+        let wanted: Vec<_> = numbers.iter().map(|&n| (n, Kind::Perturbed)).collect();
+        numbers.into_iter().zip(self.respond(tasks, &wanted, stop)).collect()
     }
 
-    /// Responses to a case of each task of `numbers`.
+    /// Responses of tasks, in order: those of a kind in one batch, the kinds on threads of their own.
     fn respond(
         &self,
         tasks: &[Task<'_>],
-        numbers: &[usize],
+        wanted: &[(usize, Kind)],
         stop: &AtomicBool,
-        case: impl for<'a, 'b> Fn(&'a Task<'b>) -> Result<TransientCase, SimulationError>,
     ) -> Vec<Result<Response, SimulationError>> {
-        let (mut cases, mut of) = (Vec::new(), Vec::new());
-        let mut failed = Vec::new();
-        for &n in numbers {
-            failed.push(match case(&tasks[n]) {
+        let mut cases: Vec<(usize, TransientCase)> = Vec::new();
+        let mut responses: Vec<Option<Result<Response, SimulationError>>> = Vec::new();
+        for (place, &(n, kind)) in wanted.iter().enumerate() {
+            responses.push(match tasks[n].case_of(kind) {
                 Ok(case) => {
-                    cases.push(case);
-                    of.push(n);
+                    cases.push((place, case));
                     None
                 }
-                Err(error) => Some(error),
+                Err(error) => Some(Err(error)),
             });
         }
-        let prepared = |index: usize| &tasks[of[index]].request.prepared;
+        let kind = |(place, _): &(usize, TransientCase)| wanted[*place].1;
+        cases.sort_by_key(kind);
+        let groups: Vec<_> = cases.chunk_by(|a, b| kind(a) == kind(b)).collect();
+        let found = groups.into_par_iter().flat_map_iter(|group| {
+            let (places, cases): (Vec<usize>, Vec<TransientCase>) = group.iter().cloned().unzip();
+            let prepared = places.iter().map(|&place| &*tasks[wanted[place].0].request.prepared);
+            let found = self.respond_to(cases, &prepared.collect::<Vec<_>>(), stop);
+            places.into_iter().zip(found)
+        });
+        for (place, response) in found.collect::<Vec<_>>() {
+            responses[place] = Some(response);
+        }
+        let lost = || Err(self.without_response(stop));
+        responses.into_iter().map(|response| response.unwrap_or_else(lost)).collect()
+    }
+
+    /// Responses to cases of prepared scenarios, in order.
+    fn respond_to(
+        &self,
+        cases: Vec<TransientCase>,
+        prepared: &[&PreparedScenario],
+        stop: &AtomicBool,
+    ) -> Vec<Result<Response, SimulationError>> {
         let decimation = |index: usize, step: f64| {
-            let natural = prepared(index).at_rest.natural_frequency_hz;
+            let natural = prepared[index].at_rest.natural_frequency_hz;
             self.extractor.decimation(natural, self.kept_hz, step)
         };
-        let mut records = self.batch.run_unless(&cases, &decimation, stop).into_iter();
-        let mut cases = cases.into_iter().enumerate();
-        let respond = |error: Option<SimulationError>| {
-            if let Some(error) = error {
-                return Err(error);
-            }
-            let (Some(record), Some((index, case))) = (records.next(), cases.next()) else {
-                return Err(self.without_response(stop));
-            };
-            let record = record?;
-            let observables = self.extractor.observables(prepared(index), &case, &record)?;
+        let records = self.batch.run_unless(&cases, &decimation, stop);
+        let response = |((case, record), prepared): ((TransientCase, _), &&PreparedScenario)| {
+            let record: CaseResponse = record?;
+            let observables = self.extractor.observables(prepared, &case, &record)?;
             Ok(Response { case, record, observables })
         };
-        failed.into_iter().map(respond).collect()
+        cases.into_iter().zip(records).zip(prepared).map(response).collect()
     }
-}
-
-/// The force of a perturbed run.
-pub(crate) fn perturbed(load: &LoadCase) -> LoadCase {
-    load.with_amplitude((1.0 + PERTURBATION) * load.amplitude())
-}
-
-/// Sample from which on two displacements differ.
-pub(crate) fn divergence_sample(a: &[f64], b: &[f64]) -> Option<usize> {
-    let largest = a.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
-    a.iter().zip(b).position(|(a, b)| (a - b).abs() > DIVERGED * largest)
-}
-
-/// Time \[s\] from which on the displacements of two responses differ.
-fn divergence(a: &CaseResponse, b: &CaseResponse) -> Option<f64> {
-    let sample = divergence_sample(&a.displacement, &b.displacement)?;
-    // The filter delays by half its length.
-    let steps = (sample * a.decimation.factor).saturating_sub(a.decimation.taps.len() / 2);
-    Some(steps as f64 * a.step)
 }

@@ -109,10 +109,22 @@ const MINUTE: Duration = Duration::from_secs(60);
 
 fn words(progress: &WorkProgress) -> String {
     let stage = progress.stage.name();
-    match progress.left.map(|left| left.as_secs()) {
-        None => format!("{stage}, time left unknown"),
-        Some(seconds) if seconds < 90 => format!("{stage}, about {seconds} s left of the whole"),
-        Some(seconds) => format!("{stage}, about {} min left of the whole", (seconds + 30) / 60),
+    let (Some(left), Some(most)) = (progress.left, progress.most) else {
+        return format!("{stage}, time left unknown");
+    };
+    let [left, most] = [left, most].map(rounded);
+    if left == most {
+        format!("{stage}, about {left} left of the whole")
+    } else {
+        format!("{stage}, about {left} left of the whole, or up to {most}")
+    }
+}
+
+/// A length of time in seconds, from a minute and a half on in minutes.
+fn rounded(time: Duration) -> String {
+    match time.as_secs() {
+        seconds if seconds < 90 => format!("{seconds} s"),
+        seconds => format!("{} min", (seconds + 30) / 60),
     }
 }
 
@@ -197,5 +209,22 @@ impl From<IdentificationError> for Failure {
             IdentificationError::Analysis(error) => Self::Analysis(error),
             error => Self::Problem(Box::new(error)),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_identify::WorkStage;
+
+    #[test]
+    fn the_time_left_and_the_most_are_told() {
+        let words_of = |times: Option<[u64; 2]>| {
+            let [left, most] = [0, 1].map(|n| times.map(|times| Duration::from_secs(times[n])));
+            words(&WorkProgress { stage: WorkStage::Fit, share: 0.1, left, most })
+        };
+        assert_eq!(words_of(None), "fit, time left unknown");
+        assert_eq!(words_of(Some([3, 3])), "fit, about 3 s left of the whole");
+        assert_eq!(words_of(Some([40, 95])), "fit, about 40 s left of the whole, or up to 2 min");
     }
 }

@@ -5,13 +5,12 @@
 //! accepted when all errors together are as small as was asked for; otherwise the next level has half the
 //! step, twice the modes, or both.
 
-use asperity_dynamics::{
-    COARSE_RESIDUAL, CaseResponse, ContactExtremes, DynamicsError, Modal, TransientCase,
-};
+use asperity_dynamics::{COARSE_RESIDUAL, ContactExtremes, DynamicsError, Modal, TransientCase};
 use asperity_law::LawError;
 
 use super::Reference;
 use super::converged_run::{ConvergedRun, RunRequest};
+use super::response::{Kind, Response, contact_is_lost, perturbed};
 use asperity_structure::LoadCase;
 
 use crate::accuracy::ErrorEstimate;
@@ -67,29 +66,6 @@ const OWN_STEPS_SHARE: f64 = 0.9;
 /// this multiple of the accuracy.
 const SUSPECT_REFINEMENTS: i32 = 2;
 const SUSPECT_ERROR: f64 = 10.0;
-
-/// A response and its observables.
-#[derive(Debug)]
-pub(super) struct Response {
-    pub(super) case: TransientCase,
-    pub(super) record: CaseResponse,
-    pub(super) observables: Observables,
-}
-
-impl Response {
-    pub(super) fn loses_contact(&self) -> bool {
-        contact_is_lost(&self.record.contacts)
-    }
-
-    fn has_friction(&self) -> bool {
-        self.case.model.preloaded().friction().is_some()
-    }
-}
-
-/// True if any of some contacts is lost for a time.
-pub(crate) fn contact_is_lost(contacts: &[ContactExtremes]) -> bool {
-    contacts.iter().any(|contact| contact.lost > 0.0)
-}
 
 /// Lengths of the steps of a response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -241,8 +217,13 @@ impl<'a> Task<'a> {
         if self.is_of_octave() {
             self.accept_or_refine();
         } else {
-            (self.steps, self.level, self.fine) = (StepLengths::Own, FIRST_VARIED, None);
+            self.begin_own_steps();
         }
+    }
+
+    fn begin_own_steps(&mut self) {
+        (self.steps, self.level, self.fine) = (StepLengths::Own, FIRST_VARIED, None);
+        (self.other, self.fewer, self.truncation) = (None, None, None);
     }
 
     /// True if the fine response is compared with one of half the step, false for one of twice the step.
@@ -254,22 +235,44 @@ impl<'a> Task<'a> {
         self.is_of_octave() || serves_at_own_steps || self.step_is_given
     }
 
-    /// Level of the response of another step.
-    pub(super) fn other_level(&self) -> Level {
-        let change = if self.compares_with_half() { 1 } else { -1 };
-        Level { step: self.level.step + change, ..self.level }
-    }
-
-    /// Level of the response of fewer modes.
-    pub(super) fn fewer_level(&self) -> Level {
-        Level { modes: self.level.modes - 1, ..self.level }
-    }
-
-    /// True if the error by the modes left out of the fine response is not estimated yet.
-    pub(super) fn lacks_truncation(&self) -> bool {
-        let Some(Ok(fine)) = &self.fine else { return false };
+    /// Responses that are missing at the level. Before the fine response those that it is compared with are among
+    /// them, unless it may not be of use.
+    pub(super) fn missing(&self) -> impl Iterator<Item = Kind> + use<> {
         let known = self.truncation.as_ref().map(|(modes, _)| *modes);
-        !self.modes_are_given && known != Some(fine.record.modes)
+        let (fine, compared, modes) = match &self.fine {
+            None => (true, self.steps != StepLengths::Equal && self.failures == 0, known),
+            Some(Ok(fine)) => (false, true, Some(fine.record.modes)),
+            Some(Err(_)) => (false, false, known),
+        };
+        let other = compared && self.other.is_none();
+        let estimated = known.is_some() && known == modes;
+        let fewer = compared && !self.modes_are_given && !estimated && self.fewer.is_none();
+        let wanted = [(Kind::Fine, fine), (Kind::Other, other), (Kind::Fewer, fewer)];
+        wanted.into_iter().filter_map(|(kind, is_missing)| is_missing.then_some(kind))
+    }
+
+    /// The transient case of a response.
+    pub(super) fn case_of(&self, kind: Kind) -> Result<TransientCase, SimulationError> {
+        let Level { step, modes } = self.level;
+        let other = if self.compares_with_half() { step + 1 } else { step - 1 };
+        let load = self.request.load.clone();
+        match kind {
+            Kind::Fine => self.case(self.level, load),
+            Kind::Other => self.case(Level { step: other, modes }, load),
+            Kind::Fewer => self.case(Level { step, modes: modes - 1 }, load),
+            Kind::Perturbed => self.case(self.level, perturbed(&load)),
+        }
+    }
+
+    /// Takes in a response.
+    pub(super) fn take(&mut self, kind: Kind, response: Result<Response, SimulationError>) {
+        let of_kind = match kind {
+            Kind::Fine => &mut self.fine,
+            Kind::Other => &mut self.other,
+            Kind::Fewer => &mut self.fewer,
+            Kind::Perturbed => return,
+        };
+        *of_kind = Some(response);
     }
 
     /// True if the response may depend on rounding: it loses contact, and is far from converged.
@@ -486,7 +489,7 @@ impl<'a> Task<'a> {
             {
                 self.failures += 1;
                 self.level.step += 1;
-                self.other = None;
+                (self.other, self.fewer) = (None, None);
             }
             Some(Err(SimulationError::Dynamics(source))) if self.level.step > 0 => {
                 let step_s = self.first_step / f64::from(self.level.step).exp2();
