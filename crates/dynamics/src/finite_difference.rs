@@ -20,6 +20,7 @@
 //! | `bar` | the nodes of one body, and Eq. (4) over them |
 //! | `loads` | forces along the bodies, a motion of the base, and sensors |
 //! | `contact` | the implicit contact step |
+//! | `contact_table` | the law of a contact in tables |
 //! | `damped_contact` | the same with viscous damping |
 //! | `guide` | friction of a body in its guide |
 //! | `support` | the step of a spring-mass support |
@@ -31,6 +32,7 @@
 )]
 mod bar;
 mod contact;
+mod contact_table;
 mod damped_contact;
 mod guide;
 mod ledger;

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use asperity_law::{CompiledLaw, ContactLaw, CubicCell, InSeries, LawError};
+use asperity_law::{ContactLaw, CubicCell, InSeries};
 use asperity_structure::PreloadedContact;
 
+use super::contact_table::ContactTable;
 use super::damped_contact::DampedContact;
 use crate::contact_energy::excess;
 use crate::friction_force::FrictionForce;
@@ -21,11 +22,6 @@ pub enum ContactForm {
     /// fundamental by about `w0^2 dt`.
     NewLevel,
 }
-
-/// Largest error of a tabulated pressure, as a share of the static pressure. A
-/// thousandth of the discretisation error at 1 mm cells; ten times finer tables
-/// cost more to build than a short run takes.
-const TABLE_TOLERANCE: f64 = 1e-6;
 
 /// One interface during a run: its law, its closures, and its extremes.
 ///
@@ -54,10 +50,7 @@ pub(super) struct ContactStep<'a> {
     argument_compliance: f64,
     /// Pressure increment at which contact is lost \[Pa\]; -inf for a law that never separates.
     open_below: f64,
-    series: InSeries<Arc<dyn ContactLaw>>,
-    /// None for a law that no table resolves: it is solved exactly at every step.
-    table: Option<CompiledLaw>,
-    table_top: f64,
+    series: ContactTable<InSeries<Arc<dyn ContactLaw>>>,
     /// The cell of the table in use: closures stay in one for many steps.
     cell: CubicCell,
     /// Closure increment since rest, at the newest state and one step before \[m\].
@@ -102,21 +95,11 @@ impl<'a> ContactStep<'a> {
         let expected = scale.max(0.01 * contact.pressure());
         let expected = if expected > 0.0 { expected } else { 1.0 };
         let table_top = contact.pressure() + 3.0 * expected;
-        let tabulated = |law: &dyn ContactLaw| match CompiledLaw::new(
-            law,
-            contact.pressure(),
-            table_top,
-            TABLE_TOLERANCE,
-        ) {
-            Ok(table) => Ok(Some(table)),
-            Err(LawError::Unresolved { .. }) => Ok(None),
-            Err(error) => Err(named(error)),
-        };
-        let table = tabulated(&series)?;
+        let series = ContactTable::new(series, contact.pressure(), table_top).map_err(named)?;
         let damped = match contact.damping() {
             Some(damping) => {
-                let table = tabulated(contact.law())?;
-                let rate = 0.5 / (weight_new * step);
+                let table = ContactTable::new(contact.law(), contact.pressure(), table_top);
+                let (table, rate) = (table.map_err(named)?, 0.5 / (weight_new * step));
                 Some(DampedContact::new(contact, damping, table, (b, rate), open_below))
             }
             None => None,
@@ -134,8 +117,6 @@ impl<'a> ContactStep<'a> {
             argument_compliance: b,
             open_below,
             series,
-            table,
-            table_top,
             cell: CubicCell::EMPTY,
             closure: 0.0,
             closure_before: 0.0,
@@ -255,21 +236,9 @@ impl<'a> ContactStep<'a> {
     #[cold]
     #[inline(never)]
     fn change_cell(&mut self, argument: f64) -> Option<f64> {
-        let found = self.table.as_ref().and_then(|table| table.cell(argument));
+        let found = self.series.cell(argument);
         self.cell = found.unwrap_or(CubicCell::EMPTY);
-        if found.is_some() { None } else { Some(self.solve_exactly(argument)) }
-    }
-
-    /// Beyond the table: solves the law itself, and if the pressure is the
-    /// highest yet, tabulates further for the steps to come.
-    fn solve_exactly(&mut self, argument: f64) -> f64 {
-        let from = self.contact.pressure();
-        let increment = self.series.pressure_increment(from, argument).value;
-        if self.table.is_some() && increment.is_finite() && from + increment > self.table_top {
-            self.table_top = from + 2.0 * increment;
-            self.table = CompiledLaw::new(&self.series, from, self.table_top, TABLE_TOLERANCE).ok();
-        }
-        increment
+        if found.is_some() { None } else { Some(self.series.get_beyond(argument)) }
     }
 
     /// Pressure \[Pa\], closure \[m\] and stiffness \[Pa/m\] one step before the newest state.

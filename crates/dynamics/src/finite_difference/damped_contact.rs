@@ -1,7 +1,11 @@
 //! The implicit contact step with viscous damping.
 
-use asperity_law::{CompiledLaw, ContactDamping, ContactLaw, InSeries, Pressure};
+use std::sync::Arc;
+
+use asperity_law::{ContactDamping, ContactLaw, InSeries};
 use asperity_structure::PreloadedContact;
+
+use super::contact_table::ContactTable;
 
 /// Newton corrections before the law is solved in series with a layer, in a bracket.
 const NEWTON: usize = 24;
@@ -31,8 +35,7 @@ pub(super) struct DampedContact<'a> {
     rate: f64,
     /// Traction increment at which faces carry nothing \[Pa\]; -inf where they carry tension.
     open_below: f64,
-    /// None for a law that no table resolves: it is evaluated exactly.
-    table: Option<CompiledLaw>,
+    table: ContactTable<&'a Arc<dyn ContactLaw>>,
     /// x of the step before \[m\].
     argument: f64,
 }
@@ -50,7 +53,7 @@ impl<'a> DampedContact<'a> {
     pub(super) fn new(
         contact: &'a PreloadedContact,
         damping: ContactDamping,
-        table: Option<CompiledLaw>,
+        table: ContactTable<&'a Arc<dyn ContactLaw>>,
         (compliance, rate): (f64, f64),
         open_below: f64,
     ) -> Self {
@@ -60,37 +63,28 @@ impl<'a> DampedContact<'a> {
     /// The step whose law would hold at `unloaded` \[m\] without a change of traction, from the newest
     /// `closure` and the closure `before` it \[m\].
     pub(super) fn solve(&mut self, unloaded: f64, closure: f64, before: f64) -> DampedStep {
-        let newest = self.law(closure);
+        let newest = self.table.get(closure);
         let pressure = self.contact.pressure() + newest.value;
         let factor = self.rate * self.damping.coefficient(pressure, newest.tangent);
         let share = 1.0 / (1.0 + self.compliance * factor);
         let target = share * (unloaded + self.compliance * factor * before);
         let x = self.root(share * self.compliance, target);
-        let (mut x, mut at) = (x, self.law(x).value);
+        let (mut x, mut at) = (x, self.table.get(x).value);
         let mut traction = at + factor * (x - before);
         if traction < self.open_below {
             traction = self.open_below;
             x = unloaded - self.compliance * traction;
-            at = self.law(x).value;
+            at = self.table.get(x).value;
         }
         self.argument = x;
         DampedStep { pressure: at, traction }
-    }
-
-    /// Pressure increment and tangent at a closure increment from rest.
-    fn law(&self, closure: f64) -> Pressure {
-        let tabulated = self.table.as_ref().map(|table| table.get_with_tangent(closure));
-        match tabulated {
-            Some((value, tangent)) if !value.is_nan() => Pressure { value, tangent },
-            _ => self.contact.law().pressure_increment(self.contact.pressure(), closure),
-        }
     }
 
     /// The closure increment x at which `x + b q(x) = target`.
     fn root(&self, b: f64, target: f64) -> f64 {
         let mut x = self.argument;
         for _ in 0..NEWTON {
-            let at = self.law(x);
+            let at = self.table.get(x);
             let correction = (target - x - b * at.value) / (1.0 + b * at.tangent);
             x += correction;
             if correction.abs() <= CONVERGED * (x.abs() + target.abs()) {

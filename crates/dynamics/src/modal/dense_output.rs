@@ -19,8 +19,9 @@ use asperity_structure::{LoadCase, PreloadedContact};
 /// Parts of a step closer than this to one of its ends are that end.
 const ON_STEP: f64 = 1e-9;
 
-/// Pressure, over the pressure at rest, from which laws are inverted by steps.
-const LEAST_KNOWN: f64 = 0.01;
+/// Pressure, over that of before, down to which laws are inverted by steps, and over the pressure at rest, down to which
+/// it is the sum of the two: a difference near zero would leave round-off.
+const LEAST_KEPT: f64 = 0.01;
 
 /// Places within a step whose propagators are kept.
 const MOST_PLACES: usize = 64;
@@ -80,8 +81,19 @@ struct DenseOutput<'a> {
     open_below: Vec<f64>,
     /// Displacement \[m\], velocity \[m/s\] and acceleration \[m/s2\] of each sensor.
     moved: Vec<[f64; 3]>,
-    /// Of each contact the closure increment \[m\] at which its law was last inverted, and the pressure there.
-    known: Vec<Cell<(f64, Pressure)>>,
+    /// Where the law of each contact was last inverted.
+    known: Vec<Cell<Known>>,
+}
+
+/// A point of a law.
+#[derive(Clone, Copy)]
+struct Known {
+    /// Closure increment \[m\].
+    closure: f64,
+    /// Pressure \[Pa\], with its own digits near zero.
+    pressure: f64,
+    /// Pressure increment \[Pa\] and stiffness \[Pa/m\].
+    increment: Pressure,
 }
 
 /// The propagators of every mode to a part of a step; `moments` are of the forces `F_k s^k`.
@@ -105,7 +117,8 @@ impl<'a> DenseOutput<'a> {
         let (tractions, places) = (Default::default(), Vec::new());
         let moved = vec![[0.0; 3]; case.model.sensors()];
         let at_rest = |contact: &PreloadedContact| {
-            Cell::new((0.0, Pressure { value: 0.0, tangent: contact.stiffness() }))
+            let increment = Pressure { value: 0.0, tangent: contact.stiffness() };
+            Cell::new(Known { closure: 0.0, pressure: contact.pressure(), increment })
         };
         let known = case.model.contacts().iter().map(at_rest).collect();
         let mut motion = Self {
@@ -294,22 +307,27 @@ impl<'a> DenseOutput<'a> {
 
     /// Pressure increment of the law of contact `i` at a closure increment \[m\], by a step from where it was last
     /// inverted, if the closure is near.
-    fn pressure(&self, i: usize, contact: &PreloadedContact, increment: f64) -> Pressure {
-        let (law, at_rest) = (contact.law(), contact.pressure());
-        let (before, known) = self.known[i].get();
-        if increment == before {
-            return known;
+    fn pressure(&self, i: usize, contact: &PreloadedContact, closure: f64) -> Pressure {
+        let (law, at_rest, known) = (contact.law(), contact.pressure(), self.known[i].get());
+        if closure == known.closure {
+            return known.increment;
         }
-        let from = at_rest + known.value;
-        // Of a pressure near zero the sum would leave round-off, whose share a step keeps.
-        let is_known = from > LEAST_KNOWN * at_rest;
-        let step = is_known.then(|| law.pressure_step(from, increment - before));
-        let found = match step.flatten() {
-            Some(step) => Pressure { value: known.value + step.value, tangent: step.tangent },
-            None => law.pressure_increment(at_rest, increment),
+        let step = law.pressure_step(known.pressure, closure - known.closure);
+        let step = step.filter(|step| step.value > (LEAST_KEPT - 1.0) * known.pressure);
+        let found = if let Some(step) = step {
+            let value = known.increment.value + step.value;
+            let increment = Pressure { value, tangent: step.tangent };
+            Known { closure, pressure: known.pressure + step.value, increment }
+        } else {
+            let increment = law.pressure_increment(at_rest, closure);
+            let mut pressure = at_rest + increment.value;
+            if pressure < LEAST_KEPT * at_rest {
+                pressure = law.pressure(contact.closure() + closure).value;
+            }
+            Known { closure, pressure, increment }
         };
-        self.known[i].set((increment, found));
-        found
+        self.known[i].set(found);
+        found.increment
     }
 
     /// Pressure \[Pa\], closure \[m\] and stiffness \[Pa/m\] of interface `i` at `time` \[s\].
