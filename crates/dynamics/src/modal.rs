@@ -17,6 +17,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `assembly` | a structure in modes, tabulated and stepped once for many cases |
+//! | `law_point` | laws at successive closures |
 //! | `law_tables` | tables of laws, shared by all models with the same law |
 //! | `damped_table` | the law of a damped contact in one step, as tables |
 //! | `oscillator` | the exact step of one mode under a polynomial force |
@@ -55,6 +56,7 @@ mod energy;
 mod fast_modes;
 mod increasing_root;
 mod lane_start;
+mod law_point;
 mod law_tables;
 mod linear_system;
 mod linear_tail;

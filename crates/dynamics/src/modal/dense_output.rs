@@ -6,9 +6,8 @@
 
 use std::cell::Cell;
 
-use asperity_law::Pressure;
-
 use super::lane_start::LaneStart;
+use super::law_point::LawPoint;
 use super::oscillator::{ForceInterpolation, NODES, Propagator};
 use super::prepared_case::PreparedCase;
 use super::simd::outcome::Outcome;
@@ -18,10 +17,6 @@ use asperity_structure::{LoadCase, PreloadedContact};
 
 /// Parts of a step closer than this to one of its ends are that end.
 const ON_STEP: f64 = 1e-9;
-
-/// Pressure, over that of before, down to which laws are inverted by steps, and over the pressure at rest, down to which
-/// it is the sum of the two: a difference near zero would leave round-off.
-const LEAST_KEPT: f64 = 0.01;
 
 /// Places within a step whose propagators are kept.
 const MOST_PLACES: usize = 64;
@@ -82,18 +77,7 @@ struct DenseOutput<'a> {
     /// Displacement \[m\], velocity \[m/s\] and acceleration \[m/s2\] of each sensor.
     moved: Vec<[f64; 3]>,
     /// Where the law of each contact was last inverted.
-    known: Vec<Cell<Known>>,
-}
-
-/// A point of a law.
-#[derive(Clone, Copy)]
-struct Known {
-    /// Closure increment \[m\].
-    closure: f64,
-    /// Pressure \[Pa\], with its own digits near zero.
-    pressure: f64,
-    /// Pressure increment \[Pa\] and stiffness \[Pa/m\].
-    increment: Pressure,
+    known: Vec<Cell<LawPoint>>,
 }
 
 /// The propagators of every mode to a part of a step; `moments` are of the forces `F_k s^k`.
@@ -116,10 +100,7 @@ impl<'a> DenseOutput<'a> {
         let open_below = (0..case.model.contacts().len()).map(|i| case.open_below(i)).collect();
         let (tractions, places) = (Default::default(), Vec::new());
         let moved = vec![[0.0; 3]; case.model.sensors()];
-        let at_rest = |contact: &PreloadedContact| {
-            let increment = Pressure { value: 0.0, tangent: contact.stiffness() };
-            Cell::new(Known { closure: 0.0, pressure: contact.pressure(), increment })
-        };
+        let at_rest = |contact| Cell::new(LawPoint::at_rest(contact));
         let known = case.model.contacts().iter().map(at_rest).collect();
         let mut motion = Self {
             case,
@@ -302,32 +283,14 @@ impl<'a> DenseOutput<'a> {
         let Some(contact) = contact.filter(elastic) else {
             return self.cubic(&self.outcome.traction[i], step, s);
         };
-        self.pressure(i, contact, self.cubic(&self.outcome.closure[i], step, s)).value
+        self.law(i, contact, self.cubic(&self.outcome.closure[i], step, s)).increment.value
     }
 
-    /// Pressure increment of the law of contact `i` at a closure increment \[m\], by a step from where it was last
-    /// inverted, if the closure is near.
-    fn pressure(&self, i: usize, contact: &PreloadedContact, closure: f64) -> Pressure {
-        let (law, at_rest, known) = (contact.law(), contact.pressure(), self.known[i].get());
-        if closure == known.closure {
-            return known.increment;
-        }
-        let step = law.pressure_step(known.pressure, closure - known.closure);
-        let step = step.filter(|step| step.value > (LEAST_KEPT - 1.0) * known.pressure);
-        let found = if let Some(step) = step {
-            let value = known.increment.value + step.value;
-            let increment = Pressure { value, tangent: step.tangent };
-            Known { closure, pressure: known.pressure + step.value, increment }
-        } else {
-            let increment = law.pressure_increment(at_rest, closure);
-            let mut pressure = at_rest + increment.value;
-            if pressure < LEAST_KEPT * at_rest {
-                pressure = law.pressure(contact.closure() + closure).value;
-            }
-            Known { closure, pressure, increment }
-        };
+    /// The law of contact `i` at a closure increment \[m\].
+    fn law(&self, i: usize, contact: &PreloadedContact, closure: f64) -> LawPoint {
+        let found = self.known[i].get().moved(contact, closure);
         self.known[i].set(found);
-        found.increment
+        found
     }
 
     /// Pressure \[Pa\], closure \[m\] and stiffness \[Pa/m\] of interface `i` at `time` \[s\].
@@ -339,8 +302,8 @@ impl<'a> DenseOutput<'a> {
         if increment <= self.open_below[i] {
             return (0.0, closure, 0.0);
         }
-        let pressure = self.pressure(i, contact, increment);
-        (contact.pressure() + pressure.value, closure, pressure.tangent)
+        let found = self.law(i, contact, increment);
+        (found.pressure, closure, found.increment.tangent)
     }
 }
 

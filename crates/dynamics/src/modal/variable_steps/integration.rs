@@ -15,6 +15,7 @@ use super::measures::{ContactMeasure, Measures};
 use super::modal_motion::{ModalMotion, StepLoad, lanes};
 use crate::contact_energy::excess;
 use crate::modal::assembly::ModalModel;
+use crate::modal::law_point::LawPoint;
 use crate::modal::step_coefficients::{LANES, Lanes, StepCoefficients};
 use crate::modal::transient_case::pressure_at;
 use crate::{ContactExtremes, DynamicsError, EnergyLedger, History};
@@ -84,6 +85,8 @@ pub(super) struct Integration<'a, const N: usize> {
     /// Largest traction of each row so far.
     largest: [f64; N],
     measures: Measures,
+    /// Where the law of each contact was last recorded.
+    recorded: Vec<LawPoint>,
     /// Steps taken, and the shortest \[s\].
     pub(super) taken: usize,
     pub(super) shortest: f64,
@@ -129,6 +132,7 @@ impl<'a, const N: usize> Integration<'a, N> {
             largest: array::from_fn(of_contact),
             measures: Measures::new(&contacts),
             contacts,
+            recorded: model.contacts().iter().map(LawPoint::at_rest).collect(),
             taken: 0,
             shortest: control.base,
             pressed: 0,
@@ -400,7 +404,7 @@ impl<'a, const N: usize> Integration<'a, N> {
     }
 
     /// Adds the state at `time` \[s\] to a history.
-    pub(super) fn record(&self, history: &mut History, time: f64) {
+    pub(super) fn record(&mut self, history: &mut History, time: f64) {
         history.time.push(time);
         history.load.push(self.loaded[0]);
         for (sensor, columns) in history.sensors.iter_mut().enumerate() {
@@ -408,9 +412,14 @@ impl<'a, const N: usize> Integration<'a, N> {
         }
         for (i, columns) in history.interfaces.iter_mut().enumerate() {
             let (contact, increment) = (&self.contacts[i], self.rows.closure[i]);
-            let [pressure, stiffness] =
-                pressure_at(contact.preloaded, contact.open_below, increment);
-            columns.push((pressure, contact.preloaded.closure() + increment, stiffness));
+            let closure = contact.preloaded.closure() + increment;
+            columns.push(if increment <= contact.open_below {
+                (0.0, closure, 0.0)
+            } else {
+                let found = self.recorded[i].moved(contact.preloaded, increment);
+                self.recorded[i] = found;
+                (found.pressure, closure, found.increment.tangent)
+            });
         }
     }
 
