@@ -36,7 +36,7 @@ use crate::observable_extractor::ObservableExtractor;
 use crate::prepared_scenario::PreparedScenario;
 use crate::quantity::Quantity;
 pub use converged_run::{ConvergedRun, RunRequest};
-use response::{Kind, Response, divergence};
+use response::{Response, ResponseKind, divergence};
 pub(crate) use response::{contact_is_lost, divergence_sample, perturbed};
 use task::{Chosen, Task};
 
@@ -162,7 +162,7 @@ impl ErrorControl {
         request: &RunRequest,
     ) -> Result<(TransientCase, Vec<usize>), SimulationError> {
         let task = Task::new(request)?;
-        Ok((task.case_at(task.level)?, task.counts_at(task.level)))
+        Ok((task.case_of(ResponseKind::Fine)?, task.counts_at(task.level)))
     }
 
     /// Integrates the tasks that are not done and have a reference run of this kind as that run was, and
@@ -289,18 +289,23 @@ impl ErrorControl {
         stop: &AtomicBool,
     ) -> bool {
         let of_task = |&n: &usize| tasks[n].missing().map(move |kind| (n, kind));
-        let missing: Vec<(usize, Kind)> = numbers.iter().flat_map(of_task).collect();
+        let missing: Vec<(usize, ResponseKind)> = numbers.iter().flat_map(of_task).collect();
         self.integrate(tasks, &missing, stop);
         !missing.is_empty()
     }
 
     fn integrate_fine(&self, tasks: &mut [Task<'_>], numbers: &[usize], stop: &AtomicBool) {
         let open = numbers.iter().filter(|&&n| tasks[n].fine.is_none());
-        let missing: Vec<(usize, Kind)> = open.map(|&n| (n, Kind::Fine)).collect();
+        let missing: Vec<(usize, ResponseKind)> = open.map(|&n| (n, ResponseKind::Fine)).collect();
         self.integrate(tasks, &missing, stop);
     }
 
-    fn integrate(&self, tasks: &mut [Task<'_>], wanted: &[(usize, Kind)], stop: &AtomicBool) {
+    fn integrate(
+        &self,
+        tasks: &mut [Task<'_>],
+        wanted: &[(usize, ResponseKind)],
+        stop: &AtomicBool,
+    ) {
         for (&(n, kind), response) in wanted.iter().zip(self.respond(tasks, wanted, stop)) {
             tasks[n].take(kind, response);
         }
@@ -337,7 +342,7 @@ impl ErrorControl {
         numbers: Vec<usize>,
         stop: &AtomicBool,
     ) -> Vec<(usize, Result<Response, SimulationError>)> {
-        let wanted: Vec<_> = numbers.iter().map(|&n| (n, Kind::Perturbed)).collect();
+        let wanted: Vec<_> = numbers.iter().map(|&n| (n, ResponseKind::Perturbed)).collect();
         numbers.into_iter().zip(self.respond(tasks, &wanted, stop)).collect()
     }
 
@@ -345,7 +350,7 @@ impl ErrorControl {
     fn respond(
         &self,
         tasks: &[Task<'_>],
-        wanted: &[(usize, Kind)],
+        wanted: &[(usize, ResponseKind)],
         stop: &AtomicBool,
     ) -> Vec<Result<Response, SimulationError>> {
         let mut cases: Vec<(usize, TransientCase)> = Vec::new();

@@ -76,7 +76,7 @@ struct DenseOutput<'a> {
     open_below: Vec<f64>,
     /// Displacement \[m\], velocity \[m/s\] and acceleration \[m/s2\] of each sensor.
     moved: Vec<[f64; 3]>,
-    /// Where the law of each contact was last inverted.
+    /// The law of each contact when it was last inverted.
     known: Vec<Cell<LawPoint>>,
 }
 

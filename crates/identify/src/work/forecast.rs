@@ -140,7 +140,7 @@ impl Forecast {
         }
     }
 
-    /// What one identification in ten exceeds: long searches, and every part that may follow.
+    /// The forecast that one identification in ten exceeds: long searches, and every part that may follow.
     pub(super) fn long(self) -> Self {
         Self {
             search: LONG * self.search,

@@ -11,9 +11,9 @@ const PERTURBATION: f64 = 1e-12;
 /// Difference of two displacements, over the largest, from which on they count as diverged.
 const DIVERGED: f64 = 1e-3;
 
-/// What a response is for.
+/// Use of a response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Kind {
+pub(super) enum ResponseKind {
     /// The response of the level.
     Fine,
     /// Of another step.

@@ -10,7 +10,7 @@ use asperity_law::LawError;
 
 use super::Reference;
 use super::converged_run::{ConvergedRun, RunRequest};
-use super::response::{Kind, Response, contact_is_lost, perturbed};
+use super::response::{Response, ResponseKind, contact_is_lost, perturbed};
 use asperity_structure::LoadCase;
 
 use crate::accuracy::ErrorEstimate;
@@ -164,11 +164,7 @@ impl<'a> Task<'a> {
     }
 
     /// The transient case at a level under `load`.
-    pub(super) fn case(
-        &self,
-        level: Level,
-        load: LoadCase,
-    ) -> Result<TransientCase, SimulationError> {
+    fn case(&self, level: Level, load: LoadCase) -> Result<TransientCase, SimulationError> {
         let (parts, tolerance) = if self.varies_steps() {
             // The longest steps are those of the rest, after contact was lost.
             (f64::from(level.step).exp2(), Some(FIRST_TOLERANCE / 16.0_f64.powi(level.step)))
@@ -183,11 +179,6 @@ impl<'a> Task<'a> {
             step: Some(self.first_step / parts),
             tolerance,
         })
-    }
-
-    /// The transient case at a level.
-    pub(super) fn case_at(&self, level: Level) -> Result<TransientCase, SimulationError> {
-        self.case(level, self.request.load.clone())
     }
 
     /// A run whose level and errors other runs take.
@@ -237,7 +228,7 @@ impl<'a> Task<'a> {
 
     /// Responses that are missing at the level. Before the fine response those that it is compared with are among
     /// them, unless it may not be of use.
-    pub(super) fn missing(&self) -> impl Iterator<Item = Kind> + use<> {
+    pub(super) fn missing(&self) -> impl Iterator<Item = ResponseKind> + use<> {
         let known = self.truncation.as_ref().map(|(modes, _)| *modes);
         let (fine, compared, modes) = match &self.fine {
             None => (true, self.steps != StepLengths::Equal && self.failures == 0, known),
@@ -247,30 +238,34 @@ impl<'a> Task<'a> {
         let other = compared && self.other.is_none();
         let estimated = known.is_some() && known == modes;
         let fewer = compared && !self.modes_are_given && !estimated && self.fewer.is_none();
-        let wanted = [(Kind::Fine, fine), (Kind::Other, other), (Kind::Fewer, fewer)];
+        let wanted = [
+            (ResponseKind::Fine, fine),
+            (ResponseKind::Other, other),
+            (ResponseKind::Fewer, fewer),
+        ];
         wanted.into_iter().filter_map(|(kind, is_missing)| is_missing.then_some(kind))
     }
 
     /// The transient case of a response.
-    pub(super) fn case_of(&self, kind: Kind) -> Result<TransientCase, SimulationError> {
+    pub(super) fn case_of(&self, kind: ResponseKind) -> Result<TransientCase, SimulationError> {
         let Level { step, modes } = self.level;
         let other = if self.compares_with_half() { step + 1 } else { step - 1 };
         let load = self.request.load.clone();
         match kind {
-            Kind::Fine => self.case(self.level, load),
-            Kind::Other => self.case(Level { step: other, modes }, load),
-            Kind::Fewer => self.case(Level { step, modes: modes - 1 }, load),
-            Kind::Perturbed => self.case(self.level, perturbed(&load)),
+            ResponseKind::Fine => self.case(self.level, load),
+            ResponseKind::Other => self.case(Level { step: other, modes }, load),
+            ResponseKind::Fewer => self.case(Level { step, modes: modes - 1 }, load),
+            ResponseKind::Perturbed => self.case(self.level, perturbed(&load)),
         }
     }
 
     /// Takes in a response.
-    pub(super) fn take(&mut self, kind: Kind, response: Result<Response, SimulationError>) {
+    pub(super) fn take(&mut self, kind: ResponseKind, response: Result<Response, SimulationError>) {
         let of_kind = match kind {
-            Kind::Fine => &mut self.fine,
-            Kind::Other => &mut self.other,
-            Kind::Fewer => &mut self.fewer,
-            Kind::Perturbed => return,
+            ResponseKind::Fine => &mut self.fine,
+            ResponseKind::Other => &mut self.other,
+            ResponseKind::Fewer => &mut self.fewer,
+            ResponseKind::Perturbed => return,
         };
         *of_kind = Some(response);
     }

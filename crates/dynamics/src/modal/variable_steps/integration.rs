@@ -85,7 +85,7 @@ pub(super) struct Integration<'a, const N: usize> {
     /// Largest traction of each row so far.
     largest: [f64; N],
     measures: Measures,
-    /// Where the law of each contact was last recorded.
+    /// The law of each contact when it was last recorded.
     recorded: Vec<LawPoint>,
     /// Steps taken, and the shortest \[s\].
     pub(super) taken: usize,
