@@ -37,6 +37,7 @@ mod damped_contact;
 mod guide;
 mod ledger;
 mod loads;
+mod stiffness_sum;
 mod support;
 mod time_loop;
 

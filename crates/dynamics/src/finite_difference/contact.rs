@@ -7,6 +7,7 @@ use asperity_structure::PreloadedContact;
 
 use super::contact_table::ContactTable;
 use super::damped_contact::DampedContact;
+use super::stiffness_sum::StiffnessSum;
 use crate::contact_energy::excess;
 use crate::friction_force::FrictionForce;
 use crate::{ContactExtremes, DynamicsError};
@@ -62,8 +63,7 @@ pub(super) struct ContactStep<'a> {
     lowest: f64,
     highest: f64,
     open_steps: usize,
-    /// Sum of the stiffness over the steps \[Pa/m\].
-    stiffness_sum: f64,
+    stiffness: StiffnessSum,
     /// `sum q (d+ - d-) / 2`, the work done on the contact per area \[J/m2\], viscous loss apart.
     work: f64,
     damped: Option<DampedContact<'a>>,
@@ -125,7 +125,7 @@ impl<'a> ContactStep<'a> {
             lowest: 0.0,
             highest: 0.0,
             open_steps: 0,
-            stiffness_sum: 0.0,
+            stiffness: StiffnessSum::EMPTY,
             work: 0.0,
         })
     }
@@ -216,9 +216,19 @@ impl<'a> ContactStep<'a> {
         if self.increment > self.highest {
             self.highest = self.increment;
         }
-        if self.increment <= self.open_below {
+        let open = self.increment <= self.open_below;
+        if open {
             self.open_steps += 1;
         }
+        if self.stiffness.count(open) {
+            self.change_sides();
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn change_sides(&mut self) {
+        self.stiffness.change_sides(self.contact.law().stiffness(0.0));
     }
 
     /// Nominal contact area \[m2\].
@@ -253,9 +263,9 @@ impl<'a> ContactStep<'a> {
         (pressure, closure, self.contact.law().stiffness(pressure))
     }
 
-    /// Counts a `stiffness` \[Pa/m\] for this many steps in the time average.
-    pub(super) fn average(&mut self, stiffness: f64, steps: usize) {
-        self.stiffness_sum += stiffness * steps as f64;
+    /// Takes up a `stiffness` \[Pa/m\] observed for the time average.
+    pub(super) fn read_stiffness(&mut self, stiffness: f64) {
+        self.stiffness.read(stiffness);
     }
 
     pub(super) fn record(&self, step: f64, steps: usize) -> ContactExtremes {
@@ -265,7 +275,7 @@ impl<'a> ContactStep<'a> {
             pressure_min: pressure(self.lowest),
             pressure_max: pressure(self.highest),
             lost: self.open_steps as f64 * step,
-            stiffness_average: self.stiffness_sum / steps as f64,
+            stiffness_average: self.stiffness.total() / steps as f64,
         }
     }
 

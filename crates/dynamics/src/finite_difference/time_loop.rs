@@ -14,7 +14,7 @@ use crate::{DynamicsError, EnergyLedger, History, Transient};
 use asperity_structure::LoadCase;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Most steps between two measurements of the viscous power.
+/// Most steps between two measurements of the viscous power and two readings of the stiffness.
 const LEDGER_STEPS: usize = 32;
 
 /// Samples between two calls of the progress listener, and two looks at the flag that stops the run.
@@ -69,7 +69,7 @@ impl WithSimd for TimeLoop<'_> {
                     }
                 }
                 if n % LEDGER_STEPS == 0 {
-                    state.observe(&mut history, n == 0, LEDGER_STEPS.min(self.stride - n));
+                    state.observe((n == 0).then_some(&mut history));
                     let power = state.viscous_power();
                     state.ledger.measure(power, start + (n as f64 + 0.5) * self.step);
                 }
@@ -90,6 +90,7 @@ impl WithSimd for TimeLoop<'_> {
         let power = state.viscous_power();
         state.ledger.measure(power, end - 0.5 * self.step);
         state.ledger.close(end);
+        state.observe(None);
         let contacts = state.contacts.iter().map(|contact| contact.record(self.step, steps));
         let contacts = contacts.collect();
         let energy = state.balance(self.form);
@@ -273,14 +274,14 @@ impl<'a> State<'a> {
         power
     }
 
-    /// Counts the contacts one step before the newest state for `steps` in the averages, and keeps
-    /// them in the history if they are a `sample`.
-    fn observe(&mut self, history: &mut History, sample: bool, steps: usize) {
-        for (contact, columns) in self.contacts.iter_mut().zip(&mut history.interfaces) {
+    /// Reads the contacts one step before the newest state for the averages, and for the `history`
+    /// if this is a sample.
+    fn observe(&mut self, mut history: Option<&mut History>) {
+        for (i, contact) in self.contacts.iter_mut().enumerate() {
             let observed = contact.observe();
-            contact.average(observed.2, steps);
-            if sample {
-                columns.push(observed);
+            contact.read_stiffness(observed.2);
+            if let Some(history) = &mut history {
+                history.interfaces[i].push(observed);
             }
         }
     }
