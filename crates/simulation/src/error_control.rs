@@ -16,10 +16,12 @@
 //! | module | holds |
 //! |---|---|
 //! | `converged_run` | requests, and the runs that reach their accuracy |
+//! | `level` | steps and modes of the levels of a refinement |
 //! | `response` | the responses that a request is judged by |
 //! | `task` | one request while its step and modes are refined |
 
 mod converged_run;
+mod level;
 mod response;
 mod task;
 
@@ -162,7 +164,7 @@ impl ErrorControl {
         request: &RunRequest,
     ) -> Result<(TransientCase, Vec<usize>), SimulationError> {
         let task = Task::new(request)?;
-        Ok((task.case_of(ResponseKind::Fine)?, task.counts_at(task.level)))
+        Ok((task.case_of(ResponseKind::Fine)?, task.counts()))
     }
 
     /// Integrates the tasks that are not done and have a reference run of this kind as that run was, and

@@ -18,7 +18,7 @@ pub(super) enum ResponseKind {
     Fine,
     /// Of another step.
     Other,
-    /// Of fewer modes.
+    /// Of fewer modes; of more where a scenario gives rigid ones alone.
     Fewer,
     /// Of the level, to a slightly larger force.
     Perturbed,

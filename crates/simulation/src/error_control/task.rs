@@ -5,11 +5,12 @@
 //! accepted when all errors together are as small as was asked for; otherwise the next level has half the
 //! step, twice the modes, or both.
 
-use asperity_dynamics::{COARSE_RESIDUAL, ContactExtremes, DynamicsError, Modal, TransientCase};
+use asperity_dynamics::{COARSE_RESIDUAL, ContactExtremes, DynamicsError, TransientCase};
 use asperity_law::LawError;
 
 use super::Reference;
 use super::converged_run::{ConvergedRun, RunRequest};
+use super::level::{FirstLevel, Level};
 use super::response::{Response, ResponseKind, contact_is_lost, perturbed};
 use asperity_structure::LoadCase;
 
@@ -26,12 +27,6 @@ const MOST_REFINEMENTS: i32 = 7;
 /// own; of each further level a sixteenth.
 const FIRST_TOLERANCE: f64 = 4e-6;
 
-/// First level at steps of its own: what opens and closes excites more modes.
-const FIRST_VARIED: Level = Level { step: 1, modes: 3 };
-
-/// Level at steps of its own of a draft.
-const DRAFT_VARIED: Level = Level { step: 0, modes: 2 };
-
 /// The same of tolerances at steps of its own: beyond, rounding counts.
 const MOST_TOLERANCES: i32 = 3;
 
@@ -42,9 +37,6 @@ const MOST_STEPS: f64 = 2e6;
 /// computation, or minutes where a smaller accuracy than the default is asked for.
 const MOST_WORK: f64 = 1e8;
 const MOST_WORK_ASKED: f64 = 4e9;
-
-/// Most modes of a body. Modes too fast for the step count as flexibility in any case.
-const MOST_MODES: usize = 512;
 
 /// Difference of two times without contact, over the period of the lowest natural frequency, up to which
 /// losses of contact are alike.
@@ -82,13 +74,8 @@ enum StepLengths {
 #[derive(Debug)]
 pub(super) struct Task<'a> {
     pub(super) request: &'a RunRequest,
-    /// Modes of each body, and step \[s\], of the first level.
-    counts: Vec<usize>,
-    first_step: f64,
+    first: FirstLevel,
     duration: f64,
-    /// True if the scenario gives the step, or the modes.
-    step_is_given: bool,
-    modes_are_given: bool,
     /// The runs whose level is the level of this run.
     serves: Option<Reference>,
     pub(super) level: Level,
@@ -96,7 +83,7 @@ pub(super) struct Task<'a> {
     /// Successive levels without a response.
     failures: usize,
     pub(super) fine: Option<Result<Response, SimulationError>>,
-    /// The response of another step, and the response of fewer modes, which show the errors of the fine
+    /// The response of another step, and the response of fewer modes or more, which show the errors of the fine
     /// response.
     pub(super) other: Option<Result<Response, SimulationError>>,
     pub(super) fewer: Option<Result<Response, SimulationError>>,
@@ -111,18 +98,10 @@ pub(super) struct Task<'a> {
 /// Step, modes and observables of a run that is done.
 #[derive(Debug)]
 pub(super) struct Chosen {
-    counts: Vec<usize>,
-    first_step: f64,
+    first: FirstLevel,
     level: Level,
     steps: StepLengths,
     observables: Observables,
-}
-
-/// Halvings of the first step, and doublings of the first modes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub(super) struct Level {
-    step: i32,
-    modes: i32,
 }
 
 impl<'a> Task<'a> {
@@ -134,11 +113,12 @@ impl<'a> Task<'a> {
         case.duration = request.duration.unwrap_or(case.duration);
         Ok(Self {
             request,
-            counts: first_counts(prepared.mode_counts(&modal, &request.load)?, &modal),
-            first_step: case.first_step()?.0,
+            first: FirstLevel::new(
+                prepared.mode_counts(&modal, &request.load)?,
+                case.first_step()?.0,
+                &modal,
+            ),
             duration: case.duration,
-            step_is_given: modal.step.is_some(),
-            modes_are_given: modal.modes_per_body.is_some(),
             serves: None,
             level: Level::default(),
             steps: if modal.step.is_some() || case.model.preloaded().friction().is_some() {
@@ -156,27 +136,22 @@ impl<'a> Task<'a> {
         })
     }
 
-    /// Modes of each body at a level: the rigid one always, of the elastic ones 0, 1, 3, 7, ...
-    pub(super) fn counts_at(&self, level: Level) -> Vec<usize> {
-        let factor = f64::from(level.modes).exp2();
-        let modes = |&count: &usize| ((count as f64 * factor) as usize).clamp(1, MOST_MODES);
-        self.counts.iter().map(modes).collect()
+    /// Modes of each body at the level.
+    pub(super) fn counts(&self) -> Vec<usize> {
+        self.first.counts_at(self.level)
     }
 
     /// The transient case at a level under `load`.
     fn case(&self, level: Level, load: LoadCase) -> Result<TransientCase, SimulationError> {
-        let (parts, tolerance) = if self.varies_steps() {
-            // The longest steps are those of the rest, after contact was lost.
-            (f64::from(level.step).exp2(), Some(FIRST_TOLERANCE / 16.0_f64.powi(level.step)))
-        } else {
-            (f64::from(level.step).exp2(), None)
-        };
+        let tolerance = self.varies_steps().then(|| FIRST_TOLERANCE / 16.0_f64.powi(level.step));
+        let counts = self.first.counts_at(level);
         Ok(TransientCase {
-            model: self.request.prepared.modal_model(&self.counts_at(level), load.port())?,
+            model: self.request.prepared.modal_model(&counts, load.port())?,
             load,
             sensor: self.request.sensor,
             duration: self.duration,
-            step: Some(self.first_step / parts),
+            // At steps of its own the longest, of the rest after contact was lost.
+            step: Some(self.first.step_at(level)),
             tolerance,
         })
     }
@@ -213,7 +188,7 @@ impl<'a> Task<'a> {
     }
 
     fn begin_own_steps(&mut self) {
-        (self.steps, self.level, self.fine) = (StepLengths::Own, FIRST_VARIED, None);
+        (self.steps, self.level, self.fine) = (StepLengths::Own, self.first.varied(), None);
         (self.other, self.fewer, self.truncation) = (None, None, None);
     }
 
@@ -223,7 +198,7 @@ impl<'a> Task<'a> {
         let serves_at_own_steps = self.serves == Some(Reference::Near)
             && self.varies_steps()
             && self.level.step < MOST_TOLERANCES;
-        self.is_of_octave() || serves_at_own_steps || self.step_is_given
+        self.is_of_octave() || serves_at_own_steps || self.first.step_is_given
     }
 
     /// Responses that are missing at the level. Before the fine response those that it is compared with are among
@@ -237,7 +212,7 @@ impl<'a> Task<'a> {
         };
         let other = compared && self.other.is_none();
         let estimated = known.is_some() && known == modes;
-        let fewer = compared && !self.modes_are_given && !estimated && self.fewer.is_none();
+        let fewer = compared && !estimated && self.fewer.is_none();
         let wanted = [
             (ResponseKind::Fine, fine),
             (ResponseKind::Other, other),
@@ -248,13 +223,12 @@ impl<'a> Task<'a> {
 
     /// The transient case of a response.
     pub(super) fn case_of(&self, kind: ResponseKind) -> Result<TransientCase, SimulationError> {
-        let Level { step, modes } = self.level;
-        let other = if self.compares_with_half() { step + 1 } else { step - 1 };
+        let step = self.level.step + if self.compares_with_half() { 1 } else { -1 };
         let load = self.request.load.clone();
         match kind {
             ResponseKind::Fine => self.case(self.level, load),
-            ResponseKind::Other => self.case(Level { step: other, modes }, load),
-            ResponseKind::Fewer => self.case(Level { step, modes: modes - 1 }, load),
+            ResponseKind::Other => self.case(Level { step, ..self.level }, load),
+            ResponseKind::Fewer => self.case(self.first.of_other_modes(self.level), load),
             ResponseKind::Perturbed => self.case(self.level, perturbed(&load)),
         }
     }
@@ -290,7 +264,7 @@ impl<'a> Task<'a> {
     fn may_halve(&self, taken: usize, modes: usize) -> bool {
         let steps = 2.0 * self.step_count(taken);
         let most = if self.varies_steps() { MOST_TOLERANCES } else { MOST_REFINEMENTS };
-        !self.step_is_given
+        !self.first.step_is_given
             && self.level.step < most
             && steps <= MOST_STEPS
             && steps * modes as f64 <= self.most_work()
@@ -300,15 +274,15 @@ impl<'a> Task<'a> {
     /// of work.
     fn may_add_modes(&self, taken: usize, modes: usize) -> bool {
         let more = Level { modes: self.level.modes + 1, ..self.level };
-        !self.modes_are_given
+        !self.first.modes_are_given
             && self.level.modes < MOST_REFINEMENTS
             && self.step_count(taken) * 2.0 * modes as f64 <= self.most_work()
-            && self.counts_at(more) != self.counts_at(self.level)
+            && self.first.counts_at(more) != self.counts()
     }
 
     /// Steps of the level, or those that a response has `taken` if they are more.
     fn step_count(&self, taken: usize) -> f64 {
-        (self.duration / self.first_step * f64::from(self.level.step).exp2()).max(taken as f64)
+        (self.duration / self.first.step_at(self.level)).max(taken as f64)
     }
 
     fn most_work(&self) -> f64 {
@@ -353,10 +327,10 @@ impl<'a> Task<'a> {
     /// friction of no certain order, the whole difference.
     fn truncation_errors(&self, fine: &Response) -> ErrorEstimate {
         match &self.fewer {
-            None => ErrorEstimate::of_share(fine.observables.all(), 0.0, self.accuracy()),
             Some(Ok(fewer)) => {
                 let kinks = fewer.loses_contact() || fine.loses_contact() || fine.has_friction();
-                let divisor = if kinks { 1.0 } else { 3.0 };
+                let is_of_more = fewer.record.modes > fine.record.modes;
+                let divisor = if kinks || is_of_more { 1.0 } else { 3.0 };
                 ErrorEstimate::new(
                     fine.observables.all(),
                     fewer.observables.all(),
@@ -364,7 +338,7 @@ impl<'a> Task<'a> {
                     self.accuracy(),
                 )
             }
-            Some(Err(_)) => ErrorEstimate::unknown(fine.observables.all(), self.accuracy()),
+            None | Some(Err(_)) => ErrorEstimate::unknown(fine.observables.all(), self.accuracy()),
         }
     }
 
@@ -405,8 +379,7 @@ impl<'a> Task<'a> {
             && done.observables.get(Quantity::SensitiveFrom, None).is_none()
             && (self.steps == StepLengths::Own || !contact_is_lost(&done.record.contacts));
         serves.then_some(Chosen {
-            counts: self.counts,
-            first_step: self.first_step,
+            first: self.first,
             level: self.level,
             steps: self.steps,
             observables: done.observables,
@@ -415,9 +388,8 @@ impl<'a> Task<'a> {
 
     /// Takes the step and the modes of a reference run.
     pub(super) fn follow(&mut self, reference: &Chosen) {
-        self.counts.clone_from(&reference.counts);
-        (self.first_step, self.level) = (reference.first_step, reference.level);
-        self.steps = reference.steps;
+        self.first = reference.first.clone();
+        (self.level, self.steps) = (reference.level, reference.steps);
     }
 
     /// Accepts the fine response with the errors of its reference run if both are alike; begins anew
@@ -430,7 +402,7 @@ impl<'a> Task<'a> {
         {
             let from = reference.observables.all();
             let estimate = estimate.transferred(from, fine.observables.all());
-            self.done = Some(Ok(accepted(fine, self.counts_at(self.level), estimate)));
+            self.done = Some(Ok(accepted(fine, self.counts(), estimate)));
         } else if let Ok(anew) = Self::new(self.request) {
             *self = anew;
         }
@@ -452,13 +424,14 @@ impl<'a> Task<'a> {
     /// Begins anew at the steps of a draft if contact is lost.
     pub(super) fn vary_steps_of_draft(&mut self) {
         if self.is_open_at_equal_steps() {
-            (self.steps, self.level, self.fine) = (StepLengths::Own, DRAFT_VARIED, None);
+            (self.steps, self.level, self.fine) =
+                (StepLengths::Own, self.first.draft_varied(), None);
         }
     }
 
     /// The fine response as it is, without errors.
     pub(super) fn drafted(self) -> Option<Result<ConvergedRun, SimulationError>> {
-        let counts = self.counts_at(self.level);
+        let counts = self.counts();
         let run = |Response { case, record, observables }| ConvergedRun {
             case,
             observables,
@@ -487,7 +460,7 @@ impl<'a> Task<'a> {
                 (self.other, self.fewer) = (None, None);
             }
             Some(Err(SimulationError::Dynamics(source))) if self.level.step > 0 => {
-                let step_s = self.first_step / f64::from(self.level.step).exp2();
+                let step_s = self.first.step_at(self.level);
                 self.done = Some(Err(SimulationError::NotResolved { step_s, source }));
             }
             Some(Err(error)) => self.done = Some(Err(error)),
@@ -497,7 +470,7 @@ impl<'a> Task<'a> {
                     && (fine.loses_contact() || self.is_far_from_converged(&fine)) =>
             {
                 let estimate = ErrorEstimate::unknown(fine.observables.all(), self.accuracy());
-                self.done = Some(Ok(accepted(fine, self.counts_at(self.level), estimate)));
+                self.done = Some(Ok(accepted(fine, self.counts(), estimate)));
             }
             Some(Ok(fine)) => {
                 self.failures = 0;
@@ -536,7 +509,7 @@ impl<'a> Task<'a> {
                 let taken = fine.record.integrated_steps;
                 // Equal steps that took over a response have fewer modes than its own, of which the work is.
                 let modes = if self.varies_steps() {
-                    self.counts_at(self.level).iter().sum()
+                    self.counts().iter().sum()
                 } else {
                     fine.record.modes
                 };
@@ -558,7 +531,7 @@ impl<'a> Task<'a> {
                 } else {
                     let by_tables = self.table_errors(&fine);
                     let estimate = by_step.plus(&by_modes).plus(&by_fast_modes).plus(&by_tables);
-                    let mut done = accepted(fine, self.counts_at(self.level), estimate);
+                    let mut done = accepted(fine, self.counts(), estimate);
                     if let Some((from, perturbed)) = diverged {
                         done.observables.set_sensitive(from, Some(&perturbed));
                     }
@@ -567,16 +540,6 @@ impl<'a> Task<'a> {
             }
         }
     }
-}
-
-/// Modes of each body at the first level: at least one elastic, whose share can be seen.
-fn first_counts(mut counts: Vec<usize>, modal: &Modal) -> Vec<usize> {
-    if modal.modes_per_body.is_none() {
-        for count in &mut counts {
-            *count = (*count).max(2);
-        }
-    }
-    counts
 }
 
 fn accepted(response: Response, counts: Vec<usize>, estimate: ErrorEstimate) -> ConvergedRun {

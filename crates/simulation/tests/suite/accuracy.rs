@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use asperity_dynamics::DynamicsError;
 use asperity_scenario::Document;
 use asperity_simulation::error::SimulationError;
+use asperity_simulation::quantity::{Quantity, observable_names};
 use asperity_simulation::run::{Run, simulate, simulate_unless};
 use asperity_simulation::warning::Warning;
 use serde_json::Value;
@@ -37,7 +38,7 @@ fn scenarios_that_were_wrong_are_right_without_a_setting() {
         assert!(run.summary.accuracy.as_ref().unwrap().reached, "{name}");
         let interfaces: Vec<&str> =
             run.summary.interfaces.iter().map(|interface| interface.name.as_str()).collect();
-        let names = asperity_simulation::quantity::observable_names(&interfaces, &[], false);
+        let names = observable_names(&interfaces, &[], false);
         let mut compared = 0;
         for truth in truths[name].as_array().unwrap() {
             let (Some(value), Some(scale)) = (truth["value"].as_f64(), truth["scale"].as_f64())
@@ -72,6 +73,45 @@ fn a_given_step_that_is_too_long_is_said_to_be() {
     assert!(warnings(&run).contains(&"accuracy_not_reached"), "{:?}", warnings(&run));
 }
 
+/// A number of modes that is given is kept, with loss of contact too, and the stated errors tell what the
+/// modes left out amount to: against a response of chosen modes no error is more than twice what is stated.
+#[test]
+fn a_given_number_of_modes_is_kept_and_its_errors_are_stated() {
+    let with_method = |method: &str| {
+        let law = "\"pl\"";
+        let laws = [("/interfaces/0/law", law), ("/interfaces/1/law", law)];
+        run(&rig(&[("/method", method), ("/excitation/peak_n", "32"), laws[0], laws[1]]))
+    };
+    let truth = with_method(r#"{"kind": "modal", "accuracy": 1e-4}"#).observables;
+    assert!(truth.get(Quantity::ContactLost, Some(0)).unwrap() > 0.0);
+    let mut stated = Vec::new();
+    for count in [1, 2, 4, 64] {
+        let method = format!(r#"{{"kind": "modal", "modes_per_body": {count}}}"#);
+        let run = with_method(&method);
+        assert_eq!(run.summary.numerics.modes_per_body, Some(vec![count; 2]));
+        let estimate = run.observables.estimate().unwrap();
+        let is_said = warnings(&run).contains(&"accuracy_not_reached");
+        assert_eq!(estimate.is_reached(), count == 64, "{count}: {}", estimate.relative);
+        assert_eq!(is_said, count != 64, "{count}");
+        let names = observable_names(&["guide-sample", "sample-disc"], &[], false);
+        for name in [
+            "fundamental.frequency_hz",
+            "fundamental.receptance_m_per_n",
+            "interfaces.guide-sample.pressure_max_pa",
+            "interfaces.sample-disc.pressure_max_pa",
+            "interfaces.guide-sample.contact_lost_s",
+        ] {
+            let place = names.iter().position(|known| known == name).unwrap();
+            let error = (run.observables.values[place] - truth.values[place]).abs();
+            let of_truth = 1e-4 * truth.values[place];
+            let stated = 2.0 * estimate.errors[place] + of_truth;
+            assert!(error < stated, "{count}, {name}: {error}, stated twice {stated}");
+        }
+        stated.push(estimate.relative);
+    }
+    assert!(stated.is_sorted_by(|a, b| a > b), "{stated:?}");
+}
+
 /// Against a modal response to 1e-6: no error of finite differences is more than half larger than
 /// stated, nor all of them far smaller, and the statement falls with the step. In longer cells the error of
 /// the lowest pressure on the disc, -1.6 Pa (h / 1 mm) + 0.15 Pa (h / 1 mm)^2, is not of one order.
@@ -91,11 +131,7 @@ fn finite_differences_state_their_error() {
             "interfaces.guide-sample.pressure_min_pa",
             "interfaces.sample-disc.pressure_min_pa",
         ] {
-            let names = asperity_simulation::quantity::observable_names(
-                &["guide-sample", "sample-disc"],
-                &[],
-                false,
-            );
+            let names = observable_names(&["guide-sample", "sample-disc"], &[], false);
             let place = names.iter().position(|name| name == observable).unwrap();
             let error = (run.observables.values[place] - truth.values[place]).abs();
             let stated = estimate.errors[place];
