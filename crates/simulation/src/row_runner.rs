@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::Batch;
-use asperity_scenario::{Document, InvalidDocument, Scenario};
+use asperity_scenario::{Document, InvalidDocument, MethodSpec, Scenario};
 use asperity_structure::LoadCase;
 use rayon::prelude::*;
 
@@ -123,7 +123,7 @@ impl RowRunner {
             let own = (&self.inputs, &self.frequencies[..]);
             return self.patches.run(own, count, row, stop, progress);
         }
-        let size = Batch::default().room() * ROWS_A_LANE;
+        let size = self.rows_of_task();
         let finished = AtomicUsize::new(0);
         let task = |task: usize| {
             if stop.load(Ordering::Relaxed) {
@@ -141,6 +141,14 @@ impl RowRunner {
         let found: Option<Vec<Vec<_>>> =
             (0..count.div_ceil(size)).into_par_iter().map(task).collect();
         Some(found?.into_iter().flatten().collect())
+    }
+
+    /// Rows that are run together: as many as fill the lanes of a batch, or one by finite differences.
+    fn rows_of_task(&self) -> usize {
+        match self.inputs.document().scenario().map(|scenario| scenario.method) {
+            Ok(MethodSpec::FiniteDifference(_)) => 1,
+            _ => Batch::default().room() * ROWS_A_LANE,
+        }
     }
 
     /// Some rows: the modal ones in one batch, the others one by one.

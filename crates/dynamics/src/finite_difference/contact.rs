@@ -221,14 +221,8 @@ impl<'a> ContactStep<'a> {
             self.open_steps += 1;
         }
         if self.stiffness.count(open) {
-            self.change_sides();
+            self.read_stiffness();
         }
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn change_sides(&mut self) {
-        self.stiffness.change_sides(self.contact.law().stiffness(0.0));
     }
 
     /// Nominal contact area \[m2\].
@@ -251,21 +245,36 @@ impl<'a> ContactStep<'a> {
         if found.is_some() { None } else { Some(self.series.get_beyond(argument)) }
     }
 
-    /// Pressure \[Pa\], closure \[m\] and stiffness \[Pa/m\] one step before the newest state.
-    pub(super) fn observe(&self) -> (f64, f64, f64) {
+    /// Pressure \[Pa\], closure \[m\] and stiffness \[Pa/m\] one step before the newest state, where the
+    /// stiffness is read for its average too.
+    pub(super) fn observe(&mut self) -> (f64, f64, f64) {
         // Centred, the latest solve spans the step before the newest; else it is the newest's.
         let increment = if self.centred { self.increment } else { self.increment_before };
-        let pressure = self.contact.pressure() + increment;
+        let stiffness = self.stiffness_at(increment);
+        self.read(if self.centred { stiffness } else { self.stiffness_at(self.increment) });
         let closure = self.contact.closure() + self.closure_before;
-        if increment <= self.open_below {
-            return (0.0, closure, 0.0);
-        }
-        (pressure, closure, self.contact.law().stiffness(pressure))
+        let pressure = self.contact.pressure() + increment;
+        (if increment <= self.open_below { 0.0 } else { pressure }, closure, stiffness)
     }
 
-    /// Takes up a `stiffness` \[Pa/m\] observed for the time average.
-    pub(super) fn read_stiffness(&mut self, stiffness: f64) {
-        self.stiffness.read(stiffness);
+    /// Stiffness \[Pa/m\] at a pressure increment \[Pa\], zero while the contact is open.
+    fn stiffness_at(&self, increment: f64) -> f64 {
+        if increment <= self.open_below {
+            return 0.0;
+        }
+        self.contact.law().stiffness(self.contact.pressure() + increment)
+    }
+
+    /// Reads the stiffness in the latest solve for its time average.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn read_stiffness(&mut self) {
+        self.read(self.stiffness_at(self.increment));
+    }
+
+    fn read(&mut self, stiffness: f64) {
+        let open = self.increment <= self.open_below;
+        self.stiffness.read(open, stiffness, || self.contact.law().stiffness(0.0));
     }
 
     pub(super) fn record(&self, step: f64, steps: usize) -> ContactExtremes {

@@ -69,7 +69,11 @@ impl WithSimd for TimeLoop<'_> {
                     }
                 }
                 if n % LEDGER_STEPS == 0 {
-                    state.observe((n == 0).then_some(&mut history));
+                    if n == 0 {
+                        state.observe(&mut history);
+                    } else {
+                        state.read_stiffnesses();
+                    }
                     let power = state.viscous_power();
                     state.ledger.measure(power, start + (n as f64 + 0.5) * self.step);
                 }
@@ -90,7 +94,7 @@ impl WithSimd for TimeLoop<'_> {
         let power = state.viscous_power();
         state.ledger.measure(power, end - 0.5 * self.step);
         state.ledger.close(end);
-        state.observe(None);
+        state.read_stiffnesses();
         let contacts = state.contacts.iter().map(|contact| contact.record(self.step, steps));
         let contacts = contacts.collect();
         let energy = state.balance(self.form);
@@ -274,16 +278,15 @@ impl<'a> State<'a> {
         power
     }
 
-    /// Reads the contacts one step before the newest state for the averages, and for the `history`
-    /// if this is a sample.
-    fn observe(&mut self, mut history: Option<&mut History>) {
-        for (i, contact) in self.contacts.iter_mut().enumerate() {
-            let observed = contact.observe();
-            contact.read_stiffness(observed.2);
-            if let Some(history) = &mut history {
-                history.interfaces[i].push(observed);
-            }
+    /// Keeps the contacts one step before the newest state in the history.
+    fn observe(&mut self, history: &mut History) {
+        for (contact, columns) in self.contacts.iter_mut().zip(&mut history.interfaces) {
+            columns.push(contact.observe());
         }
+    }
+
+    fn read_stiffnesses(&mut self) {
+        self.contacts.iter_mut().for_each(ContactStep::read_stiffness);
     }
 
     /// The first interface whose numbers are not finite any more, if any.
