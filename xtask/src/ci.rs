@@ -37,7 +37,7 @@ const ALL: [(&str, &str); 12] = [
     ("tidy", "xtask tidy"),
     ("reproduce --check", "xtask reproduce --check"),
     ("cases", "xtask campaign --cases fixtures/cases"),
-    ("campaign", "xtask campaign --count 30 --seed 1"),
+    ("campaign", "xtask campaign --count 20 --seed 1"),
 ];
 
 /// Seed of the random cases of tests.
