@@ -141,7 +141,7 @@ fn measured_and_predicted_backbones_agree() {
             });
             let path = folder.path().join("problem.json");
             let document = Document::parse(&problem.to_string(), path).unwrap();
-            let found = identify(&IdentificationProblem::of(document).unwrap()).unwrap();
+            let found = identify(&IdentificationProblem::of(document).unwrap().fast()).unwrap();
             let ([frequency, ratio], points, range) = deviations(&found);
             let size = found.fit.point[0] / truth;
             let text =
