@@ -314,8 +314,8 @@ fn records_receptances_and_backbones_give_back_the_parameters() {
         let path: PathBuf = folder.path().join("problem.json");
         let problem =
             IdentificationProblem::of(Document::parse(&problem.to_string(), path).unwrap())
-                .unwrap();
-        let problem = problem.fast();
+                .unwrap()
+                .fast();
         let found = identify(&problem).unwrap();
         assert!((found.fit.point[0] / 0.97e12 - 1.0).abs() < tolerance, "{:?}", found.fit.point);
         if !of_backbone {

@@ -27,7 +27,7 @@ const MOST_REFINEMENTS: i32 = 7;
 /// own; of each further level a sixteenth.
 const FIRST_TOLERANCE: f64 = 4e-6;
 
-/// The same of tolerances at steps of its own: beyond, rounding counts.
+/// Refinements of that tolerance before an accuracy counts as not reached: beyond, rounding counts.
 const MOST_TOLERANCES: i32 = 3;
 
 /// Steps of a response beyond which it is not refined any more.
