@@ -4,7 +4,8 @@
 //! Runs of one structure under one shape of force have like relative errors while contact holds. The
 //! errors are estimated once, for a reference run whose amplitude is the next power of two above the
 //! amplitude of the run, and runs take the step, the modes and the errors of their reference run; the results
-//! of a run do not depend on other runs. A run that loses contact is refined by itself.
+//! of a run do not depend on other runs. A run that loses contact is refined by itself, at steps of its own. A
+//! reference run for which equal steps would take longer has steps of its own too, and so have the runs that it serves.
 //!
 //! A request may name a structure near its own ([`RunRequest::near`]), as rows of a study do. Then the
 //! reference run is of that structure, which other rows share. Runs that lose contact there take steps and
@@ -19,11 +20,13 @@
 //! | `level` | steps and modes of the levels of a refinement |
 //! | `response` | the responses that a request is judged by |
 //! | `task` | one request while its step and modes are refined |
+//! | `work` | the work of a response, and how much of it a refinement may ask for |
 
 mod converged_run;
 mod level;
 mod response;
 mod task;
+mod work;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};

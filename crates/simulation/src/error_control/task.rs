@@ -12,6 +12,7 @@ use super::Reference;
 use super::converged_run::{ConvergedRun, RunRequest};
 use super::level::{FirstLevel, Level};
 use super::response::{Response, ResponseKind, contact_is_lost, perturbed};
+use super::work::{MOST_WORK, MOST_WORK_ASKED, MOST_WORK_PRESSED, Work};
 use asperity_structure::LoadCase;
 
 use crate::accuracy::ErrorEstimate;
@@ -27,16 +28,11 @@ const MOST_REFINEMENTS: i32 = 7;
 /// own; of each further level a sixteenth.
 const FIRST_TOLERANCE: f64 = 4e-6;
 
+/// Halvings of equal steps before steps of a response's own may take their place while contact holds.
+const LEAST_EQUAL_HALVINGS: i32 = 2;
+
 /// Refinements of that tolerance before an accuracy counts as not reached: beyond, rounding counts.
 const MOST_TOLERANCES: i32 = 3;
-
-/// Steps of a response beyond which it is not refined any more.
-const MOST_STEPS: f64 = 2e6;
-
-/// Steps times modes of a response beyond which it is not refined any more: some seconds of
-/// computation, or minutes where a smaller accuracy than the default is asked for.
-const MOST_WORK: f64 = 1e8;
-const MOST_WORK_ASKED: f64 = 4e9;
 
 /// Difference of two times without contact, over the period of the lowest natural frequency, up to which
 /// losses of contact are alike.
@@ -62,9 +58,9 @@ const SUSPECT_ERROR: f64 = 10.0;
 /// Lengths of the steps of a response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum StepLengths {
-    /// Equal, until contact is seen to be lost.
+    /// Equal, until contact is seen to be lost, or equal ones are slow.
     Equal,
-    /// Equal in any case: the step is given, there is friction, or steps of its own have failed.
+    /// Equal in any case: the step is given, there is friction, or steps of its own have failed or not reached the accuracy.
     AlwaysEqual,
     /// Of its own, short where contact opens and closes.
     Own,
@@ -80,6 +76,8 @@ pub(super) struct Task<'a> {
     serves: Option<Reference>,
     pub(super) level: Level,
     steps: StepLengths,
+    /// Level at which slow equal steps were left for steps of its own.
+    slow: Option<Level>,
     /// Successive levels without a response.
     failures: usize,
     pub(super) fine: Option<Result<Response, SimulationError>>,
@@ -126,6 +124,7 @@ impl<'a> Task<'a> {
             } else {
                 StepLengths::Equal
             },
+            slow: None,
             failures: 0,
             fine: None,
             other: None,
@@ -183,12 +182,19 @@ impl<'a> Task<'a> {
         if self.is_of_octave() {
             self.accept_or_refine();
         } else {
-            self.begin_own_steps();
+            self.begin_anew(StepLengths::Own, self.first.varied());
         }
     }
 
-    fn begin_own_steps(&mut self) {
-        (self.steps, self.level, self.fine) = (StepLengths::Own, self.first.varied(), None);
+    /// Begins anew at equal steps: those after the slow ones that were left, if any were.
+    fn return_to_equal_steps(&mut self) {
+        let next = |slow: Level| Level { step: slow.step + 1, ..slow };
+        let level = self.slow.take().map_or_else(Level::default, next);
+        self.begin_anew(StepLengths::AlwaysEqual, level);
+    }
+
+    fn begin_anew(&mut self, steps: StepLengths, level: Level) {
+        (self.steps, self.level, self.fine) = (steps, level, None);
         (self.other, self.fewer, self.truncation) = (None, None, None);
     }
 
@@ -259,34 +265,45 @@ impl<'a> Task<'a> {
         self.steps == StepLengths::Own
     }
 
-    /// True if half the step, after a response of so many `taken` steps and `modes`, is within the limits of
-    /// work.
-    fn may_halve(&self, taken: usize, modes: usize) -> bool {
-        let steps = 2.0 * self.step_count(taken);
+    /// True if half the step is within the limits of work.
+    fn may_halve(&self, work: &Work) -> bool {
         let most = if self.varies_steps() { MOST_TOLERANCES } else { MOST_REFINEMENTS };
-        !self.first.step_is_given
-            && self.level.step < most
-            && steps <= MOST_STEPS
-            && steps * modes as f64 <= self.most_work()
+        !self.first.step_is_given && self.level.step < most && work.may_double_steps()
     }
 
-    /// True if twice the modes, after a response of so many `taken` steps and `modes`, are within the limits
-    /// of work.
-    fn may_add_modes(&self, taken: usize, modes: usize) -> bool {
+    /// True if twice the modes are within the limits of work.
+    fn may_add_modes(&self, work: &Work) -> bool {
         let more = Level { modes: self.level.modes + 1, ..self.level };
         !self.first.modes_are_given
             && self.level.modes < MOST_REFINEMENTS
-            && self.step_count(taken) * 2.0 * modes as f64 <= self.most_work()
+            && work.may_double_modes()
             && self.first.counts_at(more) != self.counts()
     }
 
-    /// Steps of the level, or those that a response has `taken` if they are more.
-    fn step_count(&self, taken: usize) -> f64 {
-        (self.duration / self.first.step_at(self.level)).max(taken as f64)
+    /// True for a response at equal steps with this error by the step, for which steps of its own take less time.
+    fn is_slow(&self, work: &Work, error: f64) -> bool {
+        self.steps == StepLengths::Equal
+            && self.level.step >= LEAST_EQUAL_HALVINGS
+            && work.is_slow(error / (STEP_SHARE * self.accuracy()))
     }
 
-    fn most_work(&self) -> f64 {
-        if self.accuracy() < DEFAULT_ACCURACY { MOST_WORK_ASKED } else { MOST_WORK }
+    /// Work of a response, or of the level without one.
+    fn work(&self, fine: Option<&Response>) -> Work {
+        let (mut taken, mut modes, mut most) = (0, 1, MOST_WORK);
+        if let Some(fine) = fine {
+            taken = fine.record.integrated_steps;
+            // Equal steps that took over a response have fewer modes than its own, of which the work is.
+            modes =
+                if self.varies_steps() { self.counts().iter().sum() } else { fine.record.modes };
+            if self.varies_steps() && !fine.loses_contact() {
+                most = MOST_WORK_PRESSED;
+            }
+        }
+        if self.accuracy() < DEFAULT_ACCURACY {
+            most = MOST_WORK_ASKED;
+        }
+        let steps = (self.duration / self.first.step_at(self.level)).max(taken as f64);
+        Work { steps, modes: modes as f64, most }
     }
 
     fn accuracy(&self) -> f64 {
@@ -408,17 +425,15 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// True if contact holds as in a reference run at equal steps, or is lost about as long as in one at steps
-    /// of its own.
+    /// True if contact holds as in a reference run, or is lost about as long as there.
     fn is_like(&self, fine: &Response, reference: &Observables) -> bool {
-        if !self.varies_steps() {
+        let natural = self.request.prepared.at_rest.natural_frequency_hz.unwrap_or(f64::INFINITY);
+        let lost = |i: usize| reference.get(Quantity::ContactLost, Some(i)).unwrap_or(0.0);
+        let contacts = || fine.record.contacts.iter().enumerate();
+        if contacts().all(|(i, _)| lost(i) == 0.0) {
             return !fine.loses_contact();
         }
-        let natural = self.request.prepared.at_rest.natural_frequency_hz.unwrap_or(f64::INFINITY);
-        fine.record.contacts.iter().enumerate().all(|(i, contact)| {
-            let lost = reference.get(Quantity::ContactLost, Some(i)).unwrap_or(0.0);
-            (contact.lost - lost).abs() * natural <= LIKE_LOSS
-        })
+        contacts().all(|(i, contact)| (contact.lost - lost(i)).abs() * natural <= LIKE_LOSS)
     }
 
     /// Begins anew at the steps of a draft if contact is lost.
@@ -446,13 +461,10 @@ impl<'a> Task<'a> {
         match self.fine.take() {
             None => {}
             // Equal steps, however short, take what steps of its own do not.
-            Some(Err(_)) if self.varies_steps() => {
-                (self.steps, self.level) = (StepLengths::AlwaysEqual, Level::default());
-                (self.other, self.fewer) = (None, None);
-            }
+            Some(Err(_)) if self.varies_steps() => self.return_to_equal_steps(),
             Some(Err(error))
                 if self.failures < MOST_FAILURES
-                    && self.may_halve(0, 1)
+                    && self.may_halve(&self.work(None))
                     && is_mended_by_refinement(&error) =>
             {
                 self.failures += 1;
@@ -496,27 +508,29 @@ impl<'a> Task<'a> {
                 let exceeds = |estimate: &ErrorEstimate, share: f64| {
                     estimate.relative.is_nan() || estimate.relative > share * accuracy
                 };
-                // At steps of its own, whose levels are far apart, what other errors leave is for the step.
-                let step_share = if self.varies_steps() {
-                    (OWN_STEPS_SHARE - by_modes.relative / accuracy).max(STEP_SHARE)
-                } else {
-                    STEP_SHARE
+                // At steps of its own, whose levels are far apart, one of the two errors may have what the other leaves.
+                let left = |by_other: &ErrorEstimate| {
+                    if self.varies_steps() {
+                        OWN_STEPS_SHARE - by_other.relative / accuracy
+                    } else {
+                        0.0
+                    }
                 };
+                let step_share = STEP_SHARE.max(left(&by_modes));
+                let count_share = COUNT_SHARE.max(left(&by_step));
                 let is_coarse = exceeds(&by_step, step_share)
                     || exceeds(&by_fast_modes, FAST_SHARE)
                     || residual.is_nan()
                     || residual > COARSE_RESIDUAL;
-                let taken = fine.record.integrated_steps;
-                // Equal steps that took over a response have fewer modes than its own, of which the work is.
-                let modes = if self.varies_steps() {
-                    self.counts().iter().sum()
-                } else {
-                    fine.record.modes
-                };
-                let halve = is_coarse && self.may_halve(taken, modes);
-                let add_modes = exceeds(&by_modes, COUNT_SHARE) && self.may_add_modes(taken, modes);
+                let work = self.work(Some(&fine));
+                let halve = is_coarse && self.may_halve(&work);
+                let add_modes = exceeds(&by_modes, count_share) && self.may_add_modes(&work);
                 let diverged = self.diverged.take();
-                if diverged.is_none() && add_modes {
+                if diverged.is_none() && halve && self.is_slow(&work, by_step.relative) {
+                    let modes = self.level.modes + i32::from(add_modes);
+                    self.slow = Some(Level { modes, ..self.level });
+                    self.begin_anew(StepLengths::Own, Level { modes, ..self.first.varied() });
+                } else if diverged.is_none() && add_modes {
                     self.level.modes += 1;
                     self.level.step += i32::from(halve);
                     self.other = None;
@@ -531,6 +545,10 @@ impl<'a> Task<'a> {
                 } else {
                     let by_tables = self.table_errors(&fine);
                     let estimate = by_step.plus(&by_modes).plus(&by_fast_modes).plus(&by_tables);
+                    if self.slow.is_some() && !estimate.is_reached() && !fine.loses_contact() {
+                        self.return_to_equal_steps();
+                        return;
+                    }
                     let mut done = accepted(fine, self.counts(), estimate);
                     if let Some((from, perturbed)) = diverged {
                         done.observables.set_sensitive(from, Some(&perturbed));

@@ -14,6 +14,7 @@ use std::sync::Arc;
 use asperity_law::CompiledLaw;
 use asperity_structure::PreloadedContact;
 
+use super::modal_motion::rows_of;
 use crate::modal::step_coefficients::{RowMatrix, StepCoefficients};
 
 /// Corrections before a step counts as too long.
@@ -191,18 +192,19 @@ pub(super) fn solve<const N: usize>(
     [begin, guess]: [&RowState<N>; 2],
     scale: &[f64; N],
 ) -> Result<RowState<N>, RowState<N>> {
+    let rows = rows_of::<N>(contacts.len());
     let mut now = *guess;
-    for i in 0..N {
+    for i in 0..rows {
         now.closure[i] = free.closure[i]
-            - product(&step.closure[0][i], &now.traction)
-            - product(&step.closure[1][i], &now.traction_rate);
+            - product(&step.closure[0][i], &now.traction, rows)
+            - product(&step.closure[1][i], &now.traction_rate, rows);
     }
     let mut damping = [[0.0; 2]; N];
     // Pressures at the closures by the tangents of the correction before.
     let mut expected = [f64::NAN; N];
     for correction in 0..MOST_CORRECTIONS {
         let before = now.traction_rate;
-        for (i, contact) in contacts.iter().enumerate().take(N) {
+        for (i, contact) in contacts.iter().enumerate().take(rows) {
             let found = contact.law(now.closure[i]);
             [now.pressure[i], now.stiffness[i]] = found;
             if step.is_damped {
@@ -212,7 +214,7 @@ pub(super) fn solve<const N: usize>(
         let part = rates(contacts, step, free, &damping, begin, &mut now);
         if correction > 0 {
             let mut largest = 0.0_f64;
-            for i in 0..N {
+            for i in 0..rows {
                 let bent = (now.pressure[i] - expected[i]).abs();
                 let turned = (now.traction_rate[i] - before[i]).abs() * step.step;
                 largest = largest.max((bent + turned) / scale[i].max(now.traction[i].abs()));
@@ -223,19 +225,19 @@ pub(super) fn solve<const N: usize>(
         }
         let mut excess = [0.0; N];
         let mut matrix = [[0.0; N]; N];
-        for i in 0..N {
+        for i in 0..rows {
             excess[i] = now.closure[i] - free.closure[i]
-                + product(&step.closure[0][i], &now.traction)
-                + product(&step.closure[1][i], &now.traction_rate);
-            for j in 0..N {
+                + product(&step.closure[0][i], &now.traction, rows)
+                + product(&step.closure[1][i], &now.traction_rate, rows);
+            for j in 0..rows {
                 let slope = now.stiffness[j] + damping[j][1] * now.rate[j];
                 let slope = if part[j] { 0.0 } else { slope.max(0.0) };
                 matrix[i][j] = step.closure[0][i][j] * slope;
             }
             matrix[i][i] += 1.0;
         }
-        let change = linear_solve(matrix, excess);
-        for i in 0..N {
+        let change = linear_solve(matrix, excess, rows);
+        for i in 0..rows {
             now.closure[i] -= change[i];
             expected[i] = now.pressure[i] - now.stiffness[i] * change[i];
         }
@@ -257,18 +259,19 @@ fn rates<const N: usize>(
     if step.is_damped {
         return damped_rates(contacts, step, free, damping, begin, now);
     }
+    let rows = rows_of::<N>(contacts.len());
     let mut right = [0.0; N];
     let mut matrix = [[0.0; N]; N];
-    for i in 0..N {
-        right[i] = free.rate[i] - product(&step.rate[0][i], &now.pressure);
-        for j in 0..N {
+    for i in 0..rows {
+        right[i] = free.rate[i] - product(&step.rate[0][i], &now.pressure, rows);
+        for j in 0..rows {
             matrix[i][j] = step.rate[1][i][j] * now.stiffness[j];
         }
         matrix[i][i] += 1.0;
     }
-    now.rate = linear_solve(matrix, right);
+    now.rate = linear_solve(matrix, right, rows);
     now.traction = now.pressure;
-    for i in 0..N {
+    for i in 0..rows {
         now.traction_rate[i] = now.stiffness[i] * now.rate[i];
     }
     [false; N]
@@ -292,13 +295,14 @@ fn damped_rates<const N: usize>(
     begin: &RowState<N>,
     now: &mut RowState<N>,
 ) -> [bool; N] {
+    let rows = rows_of::<N>(contacts.len());
     let inverse = step.step.recip();
     let [by_traction, by_rate] = &step.acceleration;
     let before: [f64; N] = array::from_fn(|j| {
         (6.0 * begin.traction[j] * inverse + 2.0 * begin.traction_rate[j]) * inverse
     });
     let mut part = [false; N];
-    for _ in 0..=N {
+    for _ in 0..=rows {
         let held = |j: usize, number: f64| if part[j] { 0.0 } else { number };
         let c: [f64; N] = array::from_fn(|j| held(j, damping[j][0]));
         let slope: [f64; N] =
@@ -312,33 +316,35 @@ fn damped_rates<const N: usize>(
             array::from_fn(|j| f64::from(u8::from(i == j)) + c[i] * held(j, by_rate[i][j]))
         });
         let constant = array::from_fn(|i| {
-            let by_state = (0..N).map(|j| by_traction[i][j] * at_rest[j]).sum::<f64>();
-            c[i] * (free.acceleration[i] - product(&step.follows[i], &before) - by_state)
+            let by_state = (0..rows).map(|j| by_traction[i][j] * at_rest[j]).sum::<f64>();
+            c[i] * (free.acceleration[i] - product(&step.follows[i], &before, rows) - by_state)
         });
-        let constant = linear_solve(implicit, constant);
-        let shares: Matrix<N> = array::from_fn(|j| {
+        let constant = linear_solve(implicit, constant, rows);
+        let mut shares = [[0.0; N]; N];
+        for j in 0..rows {
             let column = array::from_fn(|i| {
                 held(i, if i == j { slope[j] } else { 0.0 }) - c[i] * by_traction[i][j] * c[j]
             });
-            linear_solve(implicit, column)
-        });
+            shares[j] = linear_solve(implicit, column, rows);
+        }
         let mut right = [0.0; N];
         let mut matrix = [[0.0; N]; N];
-        for i in 0..N {
+        for i in 0..rows {
             right[i] = free.rate[i]
-                - product(&step.rate[0][i], &at_rest)
-                - product(&step.rate[1][i], &constant);
-            for j in 0..N {
-                matrix[i][j] = step.rate[0][i][j] * c[j] + product(&step.rate[1][i], &shares[j]);
+                - product(&step.rate[0][i], &at_rest, rows)
+                - product(&step.rate[1][i], &constant, rows);
+            for j in 0..rows {
+                matrix[i][j] =
+                    step.rate[0][i][j] * c[j] + product(&step.rate[1][i], &shares[j], rows);
             }
             matrix[i][i] += 1.0;
         }
-        now.rate = linear_solve(matrix, right);
+        now.rate = linear_solve(matrix, right, rows);
         let mut parts_more = false;
-        for (j, contact) in contacts.iter().enumerate().take(N) {
+        for (j, contact) in contacts.iter().enumerate().take(rows) {
             now.traction[j] = at_rest[j] + c[j] * now.rate[j];
             now.traction_rate[j] =
-                constant[j] + (0..N).map(|k| shares[k][j] * now.rate[k]).sum::<f64>();
+                constant[j] + (0..rows).map(|k| shares[k][j] * now.rate[k]).sum::<f64>();
             if c[j] > 0.0 && now.traction[j] < contact.least {
                 part[j] = true;
                 parts_more = true;
@@ -352,17 +358,21 @@ fn damped_rates<const N: usize>(
 }
 
 #[inline(always)]
-fn product<const N: usize>(row: &[f64; N], numbers: &[f64; N]) -> f64 {
+fn product<const N: usize>(row: &[f64; N], numbers: &[f64; N], count: usize) -> f64 {
     let mut sum = 0.0;
-    for i in 0..N {
+    for i in 0..count {
         sum += row[i] * numbers[i];
     }
     sum
 }
 
-/// The solution of equations whose matrix has the pivots of a positive definite one.
+/// The solution of the first `count` equations, whose matrix has the pivots of a positive definite one.
 #[inline(always)]
-fn linear_solve<const N: usize>(mut matrix: Matrix<N>, mut right: [f64; N]) -> [f64; N] {
+fn linear_solve<const N: usize>(
+    mut matrix: Matrix<N>,
+    mut right: [f64; N],
+    count: usize,
+) -> [f64; N] {
     // Two contacts, the usual ones, by one division.
     if N == 2 {
         let [[a, b], [c, d]] = [[matrix[0][0], matrix[0][1]], [matrix[1][0], matrix[1][1]]];
@@ -371,19 +381,19 @@ fn linear_solve<const N: usize>(mut matrix: Matrix<N>, mut right: [f64; N]) -> [
             (inverse * (d * right[0] - b * right[1]), inverse * (a * right[1] - c * right[0]));
         return right;
     }
-    for k in 0..N {
+    for k in 0..count {
         let inverse = 1.0 / matrix[k][k];
-        for i in k + 1..N {
+        for i in k + 1..count {
             let factor = matrix[i][k] * inverse;
-            for j in k + 1..N {
+            for j in k + 1..count {
                 matrix[i][j] -= factor * matrix[k][j];
             }
             right[i] -= factor * right[k];
         }
         matrix[k][k] = inverse;
     }
-    for k in (0..N).rev() {
-        for j in k + 1..N {
+    for k in (0..count).rev() {
+        for j in k + 1..count {
             right[k] -= matrix[k][j] * right[j];
         }
         right[k] *= matrix[k][k];

@@ -54,9 +54,9 @@ struct Level<const N: usize> {
 #[derive(Debug, Clone, Copy)]
 struct Attempt<const N: usize> {
     rows: RowState<N>,
-    /// Bends of the tractions, if it is bent, and what they exceed those by which the modes have moved.
+    /// Bends of the tractions, if it is bent, and what they exceed those by which the modes have moved, if they do.
     bends: Option<Bends<N>>,
-    changes: Bends<N>,
+    changes: Option<Bends<N>>,
     /// Error of the tractions over the tolerance.
     error: f64,
     /// True if no contact opened or closed.
@@ -108,7 +108,7 @@ impl<'a, const N: usize> Integration<'a, N> {
             pairs.map(|(contact, table)| Contact::new(contact, table)).collect();
         let structure = model.row_modes();
         let (modes, rate) = (&structure.modes, model.preloaded().damping_rate());
-        let area = |i: usize| model.area(i);
+        let areas: Vec<f64> = contacts.iter().map(Contact::area).collect();
         let sensor = |s: usize| {
             modes.chunks(LANES).map(|modes| lanes(modes, |mode| mode.sensors[s])).collect()
         };
@@ -124,7 +124,7 @@ impl<'a, const N: usize> Integration<'a, N> {
                 structure.residual.load.get(i).copied().unwrap_or(0.0)
             }),
             sensors: (0..model.sensors()).map(sensor).collect(),
-            modes: ModalMotion::at_rest(modes, area, rate),
+            modes: ModalMotion::at_rest(modes, &areas, rate),
             rows: RowState::at_rest(&contacts),
             loaded: [load.value(0.0), 0.0],
             load_port: [structure.residual.load_port * load.value(0.0), 0.0],
@@ -278,9 +278,9 @@ impl<'a, const N: usize> Integration<'a, N> {
             _ => None,
         };
         let guess = guess.unwrap_or(self.rows);
-        let moved = bends.unwrap_or([[0.0; N]; 2]);
+        let moved = bends;
         let [closure, rate, acceleration] =
-            self.modes.move_freely(simd, &level.coefficients, (load, &moved), is_damped);
+            self.modes.move_freely(simd, &level.coefficients, (load, moved.as_ref()), is_damped);
         let mut free = FreeEnd { closure, rate, acceleration };
         if let Some(StepLoad { end: [value, slope], .. }) = load {
             for i in 0..N {
@@ -304,12 +304,15 @@ impl<'a, const N: usize> Integration<'a, N> {
         };
         let share = self.before.as_ref().map_or(1.0, |one| one.error_share(step, bends.is_some()));
         let mut largest = 0.0_f64;
-        for i in 0..N {
+        for i in 0..self.contacts.len().min(N) {
             let scale = self.largest[i].max(rows.traction[i].abs());
             largest = largest.max((rows.traction[i] - guess.traction[i]).abs() / scale);
         }
-        let kept = bends.unwrap_or([[0.0; N]; 2]);
-        let changes = array::from_fn(|k| array::from_fn(|i| kept[k][i] - moved[k][i]));
+        // Not bent if it had not moved by bends.
+        let changes = moved.map(|moved| {
+            let kept = bends.unwrap_or([[0.0; N]; 2]);
+            array::from_fn(|k| array::from_fn(|i| kept[k][i] - moved[k][i]))
+        });
         let error = share * largest / self.control.tolerance;
         Some(Attempt { rows, bends, changes, error, is_smooth })
     }
@@ -324,8 +327,8 @@ impl<'a, const N: usize> Integration<'a, N> {
         end: &Attempt<N>,
     ) {
         let step = level.coefficients.step;
-        let tractions = [&end.rows.traction, &end.rows.traction_rate];
-        let forces = (tractions, &end.changes);
+        let tractions = [end.rows.traction, end.rows.traction_rate];
+        let forces = (&tractions, end.changes.as_ref());
         let done = self.modes.complete(simd, &level.coefficients, load, forces);
         self.measures.loss += done.loss;
         let begin = std::mem::replace(&mut self.rows, end.rows);

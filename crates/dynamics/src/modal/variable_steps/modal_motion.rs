@@ -1,10 +1,14 @@
 //! Motion of the modes over a step, some of them side by side.
+//!
+//! Registers go through plain loops alone: where there are many rows, closures of `map` and `fold` become functions
+//! of their own, without the instructions of the caller, and take ten times as long.
 
 use std::array;
 
 use pulp::Simd;
 
 use super::bend::Bends;
+use crate::modal::assembly::MOST_INTERFACES;
 use crate::modal::row_modes::RowMode;
 use crate::modal::step_coefficients::{LANES, Lanes, ModeBlock, StepCoefficients};
 
@@ -12,9 +16,8 @@ use crate::modal::step_coefficients::{LANES, Lanes, ModeBlock, StepCoefficients}
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 struct Shape<const N: usize> {
-    /// Of the closure of each row, and modal force per traction at each row.
+    /// Of the closure of each row.
     closure: [Lanes; N],
-    force: [Lanes; N],
     load: Lanes,
     /// Damping rate.
     rate: Lanes,
@@ -56,25 +59,39 @@ pub(super) type RowMotion<const N: usize> = [[f64; N]; 3];
 /// The modes with their participations; lanes behind the last one stay at rest.
 #[derive(Debug)]
 pub(super) struct ModalMotion<const N: usize> {
+    rows: usize,
+    /// Contact area \[m2\] of each row.
+    areas: [f64; N],
     shapes: Vec<Shape<N>>,
     states: Vec<State>,
 }
 
 impl<const N: usize> ModalMotion<N> {
-    /// `modes` at rest, with contact areas \[m2\] under a mass-proportional damping rate \[1/s\].
-    pub(super) fn at_rest(modes: &[RowMode], area: impl Fn(usize) -> f64, rate: f64) -> Self {
+    /// `modes` at rest, with contact areas \[m2\] of the rows under a mass-proportional damping rate \[1/s\].
+    pub(super) fn at_rest(modes: &[RowMode], areas: &[f64], rate: f64) -> Self {
         let shape = |modes: &[RowMode]| Shape {
             closure: array::from_fn(|i| {
                 lanes(modes, |mode| mode.closure.get(i).copied().unwrap_or(0.0))
-            }),
-            force: array::from_fn(|i| {
-                lanes(modes, |mode| mode.closure.get(i).map_or(0.0, |g| g * area(i)))
             }),
             load: lanes(modes, |mode| mode.load),
             rate: lanes(modes, |mode| mode.total_damping(rate)),
         };
         let shapes: Vec<Shape<N>> = modes.chunks(LANES).map(shape).collect();
-        Self { states: vec![State::default(); shapes.len()], shapes }
+        let area = |i: usize| areas.get(i).copied().unwrap_or(0.0);
+        let states = vec![State::default(); shapes.len()];
+        Self { rows: areas.len(), areas: array::from_fn(area), shapes, states }
+    }
+
+    /// Forces \[N\] of the rows by two sets of tractions \[Pa\], on all lanes.
+    #[inline(always)]
+    fn forces<S: Simd>(&self, simd: S, tractions: &[[f64; N]; 2]) -> [[S::f64s; N]; 2] {
+        let mut forces = [[simd.splat_f64s(0.0); N]; 2];
+        for k in 0..2 {
+            for i in 0..rows_of::<N>(self.rows) {
+                forces[k][i] = simd.splat_f64s(-self.areas[i] * tractions[k][i]);
+            }
+        }
+        forces
     }
 
     /// Moves the modes to the end of a step without the tractions there, by the load and the bends of the tractions, and
@@ -84,50 +101,52 @@ impl<const N: usize> ModalMotion<N> {
         &mut self,
         simd: S,
         step: &StepCoefficients,
-        (load, bends): (Option<StepLoad>, &Bends<N>),
+        (load, bends): (Option<StepLoad>, Option<&Bends<N>>),
         is_damped: bool,
     ) -> RowMotion<N> {
-        let bends = bends.map(|of_rows| of_rows.map(|number| simd.splat_f64s(number)));
+        let rows = rows_of::<N>(self.rows);
+        let is_bent = bends.is_some();
+        let bends = self.forces(simd, bends.unwrap_or(&[[0.0; N]; 2]));
         let mut sums = [[simd.splat_f64s(0.0); N]; 3];
         for ((state, shares), shape) in self.states.iter_mut().zip(&step.blocks).zip(&self.shapes) {
             for r in 0..LANES / S::F64_LANES {
-                let of = |lanes: &Lanes| register::<S>(lanes, r);
-                let from =
-                    [&state.displacement, &state.velocity, &state.force, &state.force_rate].map(of);
-                let mut free = [0, 1].map(|k| {
-                    let [first, others @ ..] = &shares.free[k];
-                    let moved = simd.mul_f64s(of(first), from[0]);
-                    add_products(simd, moved, others.iter().map(of).zip(from[1..].iter().copied()))
-                });
-                if let Some(load) = load {
-                    let numbers = load.coefficients.map(|number| simd.splat_f64s(number));
-                    for (free, shares) in free.iter_mut().zip(&shares.load) {
-                        *free = add_products(simd, *free, shares.iter().map(of).zip(numbers));
-                    }
+                let from = [
+                    register::<S>(&state.displacement, r),
+                    register::<S>(&state.velocity, r),
+                    register::<S>(&state.force, r),
+                    register::<S>(&state.force_rate, r),
+                ];
+                let mut free = [simd.splat_f64s(0.0); 2];
+                add_products(simd, &mut free, (&shares.free, r), &from);
+                if let Some(StepLoad { coefficients: [a, b, c], .. }) = load {
+                    let numbers = [simd.splat_f64s(a), simd.splat_f64s(b), simd.splat_f64s(c)];
+                    add_products(simd, &mut free, (&shares.load, r), &numbers);
                 }
-                add_bends(simd, &mut free, (shares, shape, r), bends);
-                for i in 0..N {
-                    let closure = of(&shape.closure[i]);
-                    for (sum, free) in sums.iter_mut().zip(free) {
-                        sum[i] = simd.mul_add_e_f64s(closure, free, sum[i]);
+                if is_bent {
+                    let forces = modal_forces(simd, (shape, r), rows, &bends);
+                    add_products(simd, &mut free, (&shares.bend, r), &forces);
+                }
+                for i in 0..rows {
+                    let closure = register::<S>(&shape.closure[i], r);
+                    for k in 0..2 {
+                        sums[k][i] = simd.mul_add_e_f64s(closure, free[k], sums[k][i]);
                     }
                 }
                 if is_damped {
-                    let load = load.map(|load| (of(&shape.load), load.end));
-                    let moved = acceleration(simd, shares, r, (free, None), load);
-                    for i in 0..N {
-                        sums[2][i] = simd.mul_add_e_f64s(of(&shape.closure[i]), moved, sums[2][i]);
+                    let moved = acceleration(simd, (shares, shape, r), (free, None), load);
+                    for i in 0..rows {
+                        let closure = register::<S>(&shape.closure[i], r);
+                        sums[2][i] = simd.mul_add_e_f64s(closure, moved, sums[2][i]);
                     }
                 }
-                for (lanes, free) in state.free.iter_mut().zip(free) {
-                    S::as_mut_simd_f64s(lanes).0[r] = free;
+                for k in 0..2 {
+                    set_register::<S>(&mut state.free[k], r, free[k]);
                 }
             }
         }
-        // Not by `map`, which would not become part of this function.
         let mut motion = [[0.0; N]; 3];
         for (motion, sums) in motion.iter_mut().zip(&sums) {
-            for i in 0..N {
+            for i in 0..rows {
                 motion[i] = simd.reduce_sum_f64s(sums[i]);
             }
         }
@@ -135,62 +154,57 @@ impl<const N: usize> ModalMotion<N> {
     }
 
     /// Completes the step that was [moved freely](Self::move_freely) by the tractions and their rates at its end, and
-    /// changes of their bends.
+    /// changes of their bends, if they change.
     #[inline(always)]
     pub(super) fn complete<S: Simd>(
         &mut self,
         simd: S,
         step: &StepCoefficients,
         load: Option<StepLoad>,
-        (tractions, bends): ([&[f64; N]; 2], &Bends<N>),
+        (tractions, bends): (&[[f64; N]; 2], Option<&Bends<N>>),
     ) -> Completed {
-        let bends = bends.map(|of_rows| of_rows.map(|number| simd.splat_f64s(number)));
-        let tractions = tractions.map(|of_rows| of_rows.map(|number| simd.splat_f64s(number)));
-        let [half, sixth] = [0.5, step.step / 6.0].map(|number| simd.splat_f64s(number));
+        let rows = rows_of::<N>(self.rows);
+        let is_bent = bends.is_some();
+        let bends = self.forces(simd, bends.unwrap_or(&[[0.0; N]; 2]));
+        let tractions = self.forces(simd, tractions);
+        let (half, sixth) = (simd.splat_f64s(0.5), simd.splat_f64s(step.step / 6.0));
         let mut loss = simd.splat_f64s(0.0);
         let mut load_port = [simd.splat_f64s(0.0); 2];
         for ((state, shares), shape) in self.states.iter_mut().zip(&step.blocks).zip(&self.shapes) {
             for r in 0..LANES / S::F64_LANES {
-                let of = |lanes: &Lanes| register::<S>(lanes, r);
-                let forces = tractions.map(|of_rows| {
-                    let pairs = shape.force.iter().map(of).zip(of_rows);
-                    simd.neg_f64s(add_products(simd, simd.splat_f64s(0.0), pairs))
-                });
-                let mut moved = state.free.each_ref().map(of);
-                for (moved, shares) in moved.iter_mut().zip(&shares.end) {
-                    *moved = add_products(simd, *moved, shares.iter().map(of).zip(forces));
+                let forces = modal_forces(simd, (shape, r), rows, &tractions);
+                let [free, of_free] = &state.free;
+                let mut moved = [register::<S>(free, r), register::<S>(of_free, r)];
+                add_products(simd, &mut moved, (&shares.end, r), &forces);
+                if is_bent {
+                    let forces = modal_forces(simd, (shape, r), rows, &bends);
+                    add_products(simd, &mut moved, (&shares.bend, r), &forces);
                 }
-                add_bends(simd, &mut moved, (shares, shape, r), bends);
-                let participation = of(&shape.load);
-                for (port, moved) in load_port.iter_mut().zip(moved) {
-                    *port = simd.mul_add_e_f64s(participation, moved, *port);
+                let participation = register::<S>(&shape.load, r);
+                for k in 0..2 {
+                    load_port[k] = simd.mul_add_e_f64s(participation, moved[k], load_port[k]);
                 }
-                let load = load.map(|load| (participation, load.end));
-                let accelerated = acceleration(simd, shares, r, (moved, Some(forces)), load);
-                let [a, b] = [of(&state.velocity), moved[1]];
+                let accelerated =
+                    acceleration(simd, (shares, shape, r), (moved, Some(forces)), load);
+                let [a, b] = [register::<S>(&state.velocity, r), moved[1]];
                 let squares = simd.mul_add_e_f64s(a, a, simd.mul_f64s(b, b));
                 let slopes = simd.sub_f64s(
-                    simd.mul_f64s(a, of(&state.acceleration)),
+                    simd.mul_f64s(a, register::<S>(&state.acceleration, r)),
                     simd.mul_f64s(b, accelerated),
                 );
                 let mean = simd.mul_add_e_f64s(sixth, slopes, simd.mul_f64s(half, squares));
-                loss = simd.mul_add_e_f64s(of(&shape.rate), mean, loss);
-                let [displacement, velocity] = moved;
-                let [force, force_rate] = forces;
-                for (lanes, number) in [
-                    (&mut state.displacement, displacement),
-                    (&mut state.velocity, velocity),
-                    (&mut state.acceleration, accelerated),
-                    (&mut state.force, force),
-                    (&mut state.force_rate, force_rate),
-                ] {
-                    S::as_mut_simd_f64s(lanes).0[r] = number;
-                }
+                loss = simd.mul_add_e_f64s(register::<S>(&shape.rate, r), mean, loss);
+                set_register::<S>(&mut state.displacement, r, moved[0]);
+                set_register::<S>(&mut state.velocity, r, moved[1]);
+                set_register::<S>(&mut state.acceleration, r, accelerated);
+                set_register::<S>(&mut state.force, r, forces[0]);
+                set_register::<S>(&mut state.force_rate, r, forces[1]);
             }
         }
+        let [displacement, velocity] = load_port;
         Completed {
             loss: step.step * simd.reduce_sum_f64s(loss),
-            load_port: load_port.map(|port| simd.reduce_sum_f64s(port)),
+            load_port: [simd.reduce_sum_f64s(displacement), simd.reduce_sum_f64s(velocity)],
         }
     }
 
@@ -222,47 +236,54 @@ impl<const N: usize> ModalMotion<N> {
     }
 }
 
+/// Number of rows, which the compiler knows where they are few.
+#[inline(always)]
+pub(super) fn rows_of<const N: usize>(rows: usize) -> usize {
+    if N == MOST_INTERFACES { rows.min(N) } else { N }
+}
+
+/// Modal forces of some modes by two sets of forces of the rows.
+#[inline(always)]
+fn modal_forces<S: Simd, const N: usize>(
+    simd: S,
+    (shape, r): (&Shape<N>, usize),
+    rows: usize,
+    forces: &[[S::f64s; N]; 2],
+) -> [S::f64s; 2] {
+    let mut sums = [simd.splat_f64s(0.0); 2];
+    for i in 0..rows {
+        let closure = register::<S>(&shape.closure[i], r);
+        for k in 0..2 {
+            sums[k] = simd.mul_add_e_f64s(closure, forces[k][i], sums[k]);
+        }
+    }
+    sums
+}
+
 /// Accelerations of modes with these displacements and velocities under a contact force and its rate, and
 /// the load and its rate.
 #[inline(always)]
-fn acceleration<S: Simd>(
+fn acceleration<S: Simd, const N: usize>(
     simd: S,
-    shares: &ModeBlock,
-    r: usize,
-    (moved, force): ([S::f64s; 2], Option<[S::f64s; 2]>),
-    load: Option<(S::f64s, [f64; 2])>,
+    (shares, shape, r): (&ModeBlock, &Shape<N>, usize),
+    (moved, forces): ([S::f64s; 2], Option<[S::f64s; 2]>),
+    load: Option<StepLoad>,
 ) -> S::f64s {
-    let [first, second, others @ ..] =
-        shares.acceleration.each_ref().map(|lanes| register::<S>(lanes, r));
-    let mut sum = simd.mul_add_e_f64s(first, moved[0], simd.mul_f64s(second, moved[1]));
-    for (k, share) in others.into_iter().enumerate() {
-        if let Some(force) = force {
-            sum = simd.mul_add_e_f64s(share, force[k], sum);
+    let [displacement, velocity, others @ ..] = &shares.acceleration;
+    let mut sum = simd.mul_f64s(register::<S>(displacement, r), moved[0]);
+    sum = simd.mul_add_e_f64s(register::<S>(velocity, r), moved[1], sum);
+    for k in 0..2 {
+        let share = register::<S>(&others[k], r);
+        if let Some(forces) = forces {
+            sum = simd.mul_add_e_f64s(share, forces[k], sum);
         }
-        if let Some((participation, load)) = load {
-            let load = simd.mul_f64s(participation, simd.splat_f64s(load[k]));
-            sum = simd.mul_add_e_f64s(share, load, sum);
+        if let Some(load) = load {
+            let end = simd.splat_f64s(load.end[k]);
+            let force = simd.mul_f64s(register::<S>(&shape.load, r), end);
+            sum = simd.mul_add_e_f64s(share, force, sum);
         }
     }
     sum
-}
-
-/// Adds the displacements and velocities by bends of the tractions, in register `r`.
-#[inline(always)]
-fn add_bends<S: Simd, const N: usize>(
-    simd: S,
-    moved: &mut [S::f64s; 2],
-    (shares, shape, r): (&ModeBlock, &Shape<N>, usize),
-    bends: [[S::f64s; N]; 2],
-) {
-    let of = |lanes: &Lanes| register::<S>(lanes, r);
-    let forces = bends.map(|of_rows| {
-        let pairs = shape.force.iter().map(of).zip(of_rows);
-        simd.neg_f64s(add_products(simd, simd.splat_f64s(0.0), pairs))
-    });
-    for (moved, shares) in moved.iter_mut().zip(&shares.bend) {
-        *moved = add_products(simd, *moved, shares.iter().map(of).zip(forces));
-    }
 }
 
 /// Some of the lanes, side by side in register `r`.
@@ -272,12 +293,23 @@ fn register<S: Simd>(lanes: &Lanes, r: usize) -> S::f64s {
 }
 
 #[inline(always)]
-fn add_products<S: Simd>(
+fn set_register<S: Simd>(lanes: &mut Lanes, r: usize, numbers: S::f64s) {
+    S::as_mut_simd_f64s(lanes).0[r] = numbers;
+}
+
+/// Adds to displacements and velocities the products of shares, in register `r`, with some numbers.
+#[inline(always)]
+fn add_products<S: Simd, const K: usize>(
     simd: S,
-    sum: S::f64s,
-    pairs: impl Iterator<Item = (S::f64s, S::f64s)>,
-) -> S::f64s {
-    pairs.fold(sum, |sum, (a, b)| simd.mul_add_e_f64s(a, b, sum))
+    sums: &mut [S::f64s; 2],
+    (shares, r): (&[[Lanes; K]; 2], usize),
+    numbers: &[S::f64s; K],
+) {
+    for k in 0..2 {
+        for j in 0..K {
+            sums[k] = simd.mul_add_e_f64s(register::<S>(&shares[k][j], r), numbers[j], sums[k]);
+        }
+    }
 }
 
 /// A number of each of at most [`LANES`] modes.
