@@ -16,6 +16,7 @@ use super::modal_motion::{ModalMotion, StepLoad, lanes};
 use crate::contact_energy::excess;
 use crate::modal::assembly::ModalModel;
 use crate::modal::law_point::LawPoint;
+use crate::modal::row_modes::RowMode;
 use crate::modal::step_coefficients::{LANES, Lanes, StepCoefficients};
 use crate::modal::transient_case::pressure_at;
 use crate::{ContactExtremes, DynamicsError, EnergyLedger, History};
@@ -39,6 +40,9 @@ const NEAR_OPENING: f64 = 0.9;
 /// Energy of modes that ring, over the work of the load, that equal steps may leave out: their displacements are smaller than
 /// the amplitude of the response by its root times the ratio of the frequencies.
 const LEFT_ENERGY: f64 = 1e-5;
+
+/// Acceleration at a sensor of modes that ring, over the largest there so far, that equal steps may leave out of a history.
+const LEFT_ACCELERATION: f64 = 1e-2;
 
 /// Steps of one case at most.
 const MOST_STEPS: usize = 8_000_000;
@@ -87,6 +91,8 @@ pub(super) struct Integration<'a, const N: usize> {
     measures: Measures,
     /// The law of each contact when it was last recorded.
     recorded: Vec<LawPoint>,
+    /// Largest acceleration of each sensor that was recorded \[m/s2\].
+    accelerations: Vec<f64>,
     /// Steps taken, and the shortest \[s\].
     pub(super) taken: usize,
     pub(super) shortest: f64,
@@ -133,6 +139,7 @@ impl<'a, const N: usize> Integration<'a, N> {
             measures: Measures::new(&contacts),
             contacts,
             recorded: model.contacts().iter().map(LawPoint::at_rest).collect(),
+            accelerations: vec![0.0; model.sensors()],
             taken: 0,
             shortest: control.base,
             pressed: 0,
@@ -201,10 +208,34 @@ impl<'a, const N: usize> Integration<'a, N> {
             <= self.control.tolerance * self.measures.work.abs()
     }
 
-    /// True if equal steps of `step` \[s\] would lose so little energy of modes that ring.
+    /// True if equal steps of `step` \[s\] would lose so little energy of modes that ring, and so little of the accelerations
+    /// that were recorded.
     pub(super) fn may_take_steps(&self, step: f64) -> bool {
         let long = self.model.step_coefficients(step, self.exponents);
         self.ringing(None, &long) <= LEFT_ENERGY * self.measures.work.abs()
+            && self.accelerations.iter().enumerate().all(|(sensor, largest)| {
+                *largest == 0.0 || self.ringing_at(sensor, &long) <= LEFT_ACCELERATION * largest
+            })
+    }
+
+    /// Largest acceleration at a sensor \[m/s2\] by modes that ring, and follow their forces at once at `long` steps.
+    fn ringing_at(&self, sensor: usize, long: &StepCoefficients) -> f64 {
+        let mut acceleration = 0.0;
+        for (n, mode) in self.model.row_modes().modes.iter().enumerate() {
+            if long.modes[n].follows() {
+                let [apart, velocity] = self.ringing_of(n, mode);
+                let amplitude = mode.angular_frequency * apart.hypot(velocity);
+                acceleration += mode.sensors[sensor].abs() * amplitude;
+            }
+        }
+        acceleration
+    }
+
+    /// Displacement of mode n from where its forces hold it, times its angular frequency, and its velocity.
+    fn ringing_of(&self, n: usize, mode: &RowMode) -> [f64; 2] {
+        let w = mode.angular_frequency;
+        let [displacement, velocity, force] = self.modes.of_mode(n);
+        [w * displacement - (force + mode.load * self.loaded[0]) / w, velocity]
     }
 
     /// Energy of the modes that ring \[J\] and are in motion at `short` steps, if given, and follow their forces at
@@ -214,9 +245,7 @@ impl<'a, const N: usize> Integration<'a, N> {
         for (n, mode) in self.model.row_modes().modes.iter().enumerate() {
             let follows = |steps: &StepCoefficients| steps.modes[n].follows();
             if follows(long) && !short.is_some_and(follows) {
-                let w = mode.angular_frequency;
-                let [displacement, velocity, force] = self.modes.of_mode(n);
-                let apart = w * displacement - (force + mode.load * self.loaded[0]) / w;
+                let [apart, velocity] = self.ringing_of(n, mode);
                 ringing += 0.5 * (velocity * velocity + apart * apart);
             }
         }
@@ -411,7 +440,9 @@ impl<'a, const N: usize> Integration<'a, N> {
         history.time.push(time);
         history.load.push(self.loaded[0]);
         for (sensor, columns) in history.sensors.iter_mut().enumerate() {
-            columns.push(self.reading(sensor));
+            let reading = self.reading(sensor);
+            self.accelerations[sensor] = self.accelerations[sensor].max(reading[2].abs());
+            columns.push(reading);
         }
         for (i, columns) in history.interfaces.iter_mut().enumerate() {
             let (contact, increment) = (&self.contacts[i], self.rows.closure[i]);
