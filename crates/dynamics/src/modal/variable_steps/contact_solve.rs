@@ -14,7 +14,7 @@ use std::sync::Arc;
 use asperity_law::CompiledLaw;
 use asperity_structure::PreloadedContact;
 
-use super::modal_motion::rows_of;
+use crate::modal::assembly::MOST_INTERFACES;
 use crate::modal::step_coefficients::{RowMatrix, StepCoefficients};
 
 /// Corrections before a step counts as too long.
@@ -355,6 +355,12 @@ fn damped_rates<const N: usize>(
         }
     }
     part
+}
+
+/// Number of rows, which the compiler knows where they are few.
+#[inline(always)]
+pub(super) fn rows_of<const N: usize>(rows: usize) -> usize {
+    if N == MOST_INTERFACES { rows.min(N) } else { N }
 }
 
 #[inline(always)]

@@ -8,7 +8,7 @@ use std::array;
 use pulp::Simd;
 
 use super::bend::Bends;
-use crate::modal::assembly::MOST_INTERFACES;
+use super::contact_solve::rows_of;
 use crate::modal::row_modes::RowMode;
 use crate::modal::step_coefficients::{LANES, Lanes, ModeBlock, StepCoefficients};
 
@@ -234,12 +234,6 @@ impl<const N: usize> ModalMotion<N> {
         let (state, lane) = (&self.states[n / LANES], n % LANES);
         [state.displacement[lane], state.velocity[lane], state.force[lane]]
     }
-}
-
-/// Number of rows, which the compiler knows where they are few.
-#[inline(always)]
-pub(super) fn rows_of<const N: usize>(rows: usize) -> usize {
-    if N == MOST_INTERFACES { rows.min(N) } else { N }
 }
 
 /// Modal forces of some modes by two sets of forces of the rows.
