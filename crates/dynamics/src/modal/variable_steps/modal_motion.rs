@@ -59,8 +59,8 @@ pub(super) type RowMotion<const N: usize> = [[f64; N]; 3];
 /// The modes with their participations; lanes behind the last one stay at rest.
 #[derive(Debug)]
 pub(super) struct ModalMotion<const N: usize> {
+    /// Number of rows, and their contact areas \[m2\]; the rest of the N are unused.
     rows: usize,
-    /// Contact area \[m2\] of each row.
     areas: [f64; N],
     shapes: Vec<Shape<N>>,
     states: Vec<State>,
