@@ -5,6 +5,7 @@
 //! JSON type, and reports faults inside it. The tests compare it with an independent validator.
 
 mod accepted;
+mod place;
 mod union;
 mod walker;
 
@@ -12,9 +13,9 @@ use serde_json::{Map, Value};
 
 use crate::diagnostic::{Diagnostic, MAX_FAULTS};
 use crate::fault::Fault;
-use crate::pointer::JsonPointer;
 use crate::suggest::nearest;
 use crate::wording::{brief, found, number};
+use place::Place;
 use walker::{Walker, has_type};
 
 /// Checks a JSON value against a schema generated from a Rust type, and returns all faults; of more
@@ -30,13 +31,13 @@ use walker::{Walker, has_type};
 /// ```
 pub fn check_schema(schema: &Value, document: &Value) -> Vec<Diagnostic> {
     let mut walker = Walker { root: schema, found: Vec::new() };
-    walker.node(schema, document, &JsonPointer::root());
+    walker.node(schema, document, &Place::Root);
     walker.found
 }
 
 impl<'s> Walker<'s> {
     /// Checks `value` under `node` and whatever `node` refers to.
-    fn node(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
+    fn node(&mut self, node: &'s Value, value: &Value, at: &Place<'_>) {
         if self.found.len() >= MAX_FAULTS {
             return;
         }
@@ -61,7 +62,7 @@ impl<'s> Walker<'s> {
         self.any_of(node, value, at);
     }
 
-    fn object(&mut self, node: &'s Value, object: &Map<String, Value>, at: &JsonPointer) {
+    fn object(&mut self, node: &'s Value, object: &Map<String, Value>, at: &Place<'_>) {
         let properties = node.get("properties").and_then(Value::as_object);
         let known = |key: &str| properties.and_then(|properties| properties.get(key));
         let names = || properties.into_iter().flat_map(Map::keys).map(String::as_str);
@@ -70,15 +71,18 @@ impl<'s> Walker<'s> {
             if self.found.len() >= MAX_FAULTS {
                 return;
             }
-            let child = at.child(key);
+            let child = at.key(key);
             match (known(key), node.get("additionalProperties")) {
                 (Some(property), _) => self.node(property, value, &child),
                 (None, Some(Value::Bool(false))) => {
                     let free = names().filter(|name| !object.contains_key(*name));
                     let near = nearest(key, free);
                     meant.extend(near);
-                    let unknown =
-                        Diagnostic::new(&child, Fault::UnknownKey, accepted::keys(names()));
+                    let unknown = Diagnostic::new(
+                        &child.pointer(),
+                        Fault::UnknownKey,
+                        accepted::keys(names()),
+                    );
                     self.found.push(unknown.suggest_word(near));
                 }
                 (None, Some(rest)) => self.node(rest, value, &child),
@@ -94,52 +98,52 @@ impl<'s> Walker<'s> {
                     None => brief(key),
                 };
                 let key = key.to_owned();
-                self.found.push(Diagnostic::new(at, Fault::MissingKey(key), accepted));
+                self.found.push(Diagnostic::new(&at.pointer(), Fault::MissingKey(key), accepted));
             }
         }
     }
 
-    fn array(&mut self, node: &'s Value, items: &[Value], at: &JsonPointer) {
+    fn array(&mut self, node: &'s Value, items: &[Value], at: &Place<'_>) {
         let limit = |keyword: &str| node.get(keyword).and_then(Value::as_u64);
         let count = items.len();
         let few = limit("minItems").is_some_and(|least| (count as u64) < least);
         let many = limit("maxItems").is_some_and(|most| count as u64 > most);
         if few || many {
             let fault = Fault::WrongLength(count);
-            self.found.push(Diagnostic::new(at, fault, self.accepted(node)));
+            self.found.push(Diagnostic::new(&at.pointer(), fault, self.accepted(node)));
         }
         if let Some(item_node) = node.get("items") {
             for (index, item) in items.iter().enumerate() {
-                self.node(item_node, item, &at.child(index));
+                self.node(item_node, item, &at.item(index));
             }
         }
     }
 
-    fn bounds(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
+    fn bounds(&mut self, node: &'s Value, value: &Value, at: &Place<'_>) {
         let Some(size) = value.as_f64() else { return };
         for bound in accepted::bounds(node) {
             if !bound.holds(size) {
                 let fault = Fault::OutOfBounds { value: size, bound };
                 let default = node.get("default").and_then(Value::as_f64).map(number);
                 let accepted = self.accepted(node);
-                self.found.push(Diagnostic::new(at, fault, accepted).suggest(default));
+                self.found.push(Diagnostic::new(&at.pointer(), fault, accepted).suggest(default));
             }
         }
     }
 
-    fn text(&mut self, node: &'s Value, text: &str, at: &JsonPointer) {
+    fn text(&mut self, node: &'s Value, text: &str, at: &Place<'_>) {
         let least = node.get("minLength").and_then(Value::as_u64);
         if least.is_some_and(|least| (text.chars().count() as u64) < least) {
-            self.found.push(Diagnostic::new(at, Fault::EmptyText, self.accepted(node)));
+            self.found.push(Diagnostic::new(&at.pointer(), Fault::EmptyText, self.accepted(node)));
         }
     }
 
     /// Reports a value of the wrong type or the wrong word.
-    fn reject(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
+    fn reject(&mut self, node: &'s Value, value: &Value, at: &Place<'_>) {
         let fault = Fault::NotAccepted(found(value));
         let suggestion = self.meant(node, value);
         let accepted = self.accepted(node);
-        self.found.push(Diagnostic::new(at, fault, accepted).suggest(suggestion));
+        self.found.push(Diagnostic::new(&at.pointer(), fault, accepted).suggest(suggestion));
     }
 
     /// Value of the right type that may have been meant by `value`.
@@ -167,7 +171,10 @@ impl<'s> Walker<'s> {
     /// Node that a `$ref` refers to.
     fn target(&self, node: &Value) -> Option<&'s Value> {
         let reference = node.get("$ref")?.as_str()?;
-        self.root.pointer(reference.strip_prefix('#')?)
+        match reference.strip_prefix("#/$defs/") {
+            Some(name) if !name.contains(['/', '~']) => self.root.get("$defs")?.get(name),
+            _ => self.root.pointer(reference.strip_prefix('#')?),
+        }
     }
 }
 

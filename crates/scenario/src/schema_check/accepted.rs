@@ -95,7 +95,7 @@ pub(super) fn branches(node: &Value) -> impl Iterator<Item = &Value> {
 
 /// `kind` that selects a branch of a tagged union.
 pub(super) fn kind_of(branch: &Value) -> Option<&str> {
-    branch.pointer("/properties/kind/const")?.as_str()
+    branch.get("properties")?.get("kind")?.get("const")?.as_str()
 }
 
 /// Bounds of a number.

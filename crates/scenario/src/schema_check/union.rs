@@ -3,20 +3,22 @@
 use serde_json::Value;
 
 use super::accepted::{branches, kind_of, one_of};
+use super::place::Place;
 use super::walker::{Walker, has_type};
 use crate::diagnostic::Diagnostic;
 use crate::fault::Fault;
-use crate::pointer::JsonPointer;
 use crate::suggest::nearest;
 use crate::wording::{brief, found, joined};
 
 impl<'s> Walker<'s> {
     /// Checks a `oneOf`, which has three forms: objects with a `kind`, words, and keys of which
     /// exactly one must be given.
-    pub(super) fn one_of(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
-        let kinds = self.kinds(node);
+    pub(super) fn one_of(&mut self, node: &'s Value, value: &Value, at: &Place<'_>) {
         if branches(node).next().is_none() {
-        } else if !kinds.is_empty() {
+            return;
+        }
+        let kinds = self.kinds(node);
+        if !kinds.is_empty() {
             self.tagged(node, &kinds, value, at);
         } else if branches(node).all(|branch| branch.get("const").is_some()) {
             if branches(node).all(|branch| branch.get("const") != Some(value)) {
@@ -27,13 +29,13 @@ impl<'s> Walker<'s> {
         }
     }
 
-    fn tagged(&mut self, node: &'s Value, kinds: &[&'s str], value: &Value, at: &JsonPointer) {
+    fn tagged(&mut self, node: &'s Value, kinds: &[&'s str], value: &Value, at: &Place<'_>) {
         let Value::Object(object) = value else {
             let fault = Fault::NotAccepted(found(value));
             let near = value.as_str().and_then(|word| nearest(word, kinds.iter().copied()));
             let meant = near.map(|kind| format!("{{\"kind\": {}}}", brief(kind)));
             let accepted = self.accepted(node);
-            self.found.push(Diagnostic::new(at, fault, accepted).suggest(meant));
+            self.found.push(Diagnostic::new(&at.pointer(), fault, accepted).suggest(meant));
             return;
         };
         match object.get("kind") {
@@ -41,11 +43,13 @@ impl<'s> Walker<'s> {
                 let key = "kind".to_owned();
                 let near = nearest("kind", object.keys().map(String::as_str));
                 let diagnostic = match near {
-                    Some(near) => {
-                        Diagnostic::new(&at.child(near), Fault::UnknownKey, one_of(&["kind"]))
-                            .suggest_word(Some("kind"))
-                    }
-                    None => Diagnostic::new(at, Fault::MissingKey(key), one_of(kinds)),
+                    Some(near) => Diagnostic::new(
+                        &at.key(near).pointer(),
+                        Fault::UnknownKey,
+                        one_of(&["kind"]),
+                    )
+                    .suggest_word(Some("kind")),
+                    None => Diagnostic::new(&at.pointer(), Fault::MissingKey(key), one_of(kinds)),
                 };
                 self.found.push(diagnostic);
             }
@@ -56,17 +60,17 @@ impl<'s> Walker<'s> {
                 }
                 let fault = Fault::UnknownKind(kind.clone());
                 let near = nearest(kind, kinds.iter().copied());
-                let diagnostic = Diagnostic::new(&at.child("kind"), fault, one_of(kinds));
+                let diagnostic = Diagnostic::new(&at.key("kind").pointer(), fault, one_of(kinds));
                 self.found.push(diagnostic.suggest_word(near));
             }
             Some(other) => {
                 let fault = Fault::NotAccepted(found(other));
-                self.found.push(Diagnostic::new(&at.child("kind"), fault, one_of(kinds)));
+                self.found.push(Diagnostic::new(&at.key("kind").pointer(), fault, one_of(kinds)));
             }
         }
     }
 
-    fn exactly_one_key(&mut self, node: &Value, value: &Value, at: &JsonPointer) {
+    fn exactly_one_key(&mut self, node: &Value, value: &Value, at: &Place<'_>) {
         let Value::Object(object) = value else { return };
         let required = |branch: &Value| branch.pointer("/required/0")?.as_str().map(str::to_owned);
         let keys: Vec<String> = branches(node).filter_map(required).collect();
@@ -79,12 +83,13 @@ impl<'s> Walker<'s> {
             0 => Fault::NoneGiven(keys),
             _ => Fault::SeveralGiven(given),
         };
-        self.found.push(Diagnostic::new(at, fault, accepted));
+        self.found.push(Diagnostic::new(&at.pointer(), fault, accepted));
     }
 
     /// True where an unknown key of the object at `at` was reported as a misspelling of one of `keys`.
-    fn is_misspelt(&self, keys: &[String], at: &JsonPointer) -> bool {
-        let (here, inside) = (at.to_string(), format!("{at}/"));
+    fn is_misspelt(&self, keys: &[String], at: &Place<'_>) -> bool {
+        let here = at.pointer().to_string();
+        let inside = format!("{here}/");
         let meant = |diagnostic: &Diagnostic| {
             keys.iter().any(|key| diagnostic.suggestion.as_deref() == Some(&brief(key)))
         };
@@ -97,7 +102,7 @@ impl<'s> Walker<'s> {
     }
 
     /// Checks an `anyOf`, whose branches differ by their JSON type: a word or an object.
-    pub(super) fn any_of(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
+    pub(super) fn any_of(&mut self, node: &'s Value, value: &Value, at: &Place<'_>) {
         let Some(branches) = node.get("anyOf").and_then(Value::as_array) else { return };
         let fits = |kind: &str| has_type(value, kind);
         match branches.iter().find(|branch| self.type_of(branch).is_some_and(fits)) {

@@ -5,7 +5,7 @@
 //! accepted when all errors together are as small as was asked for; otherwise the next level has half the
 //! step, twice the modes, or both.
 
-use asperity_dynamics::{COARSE_RESIDUAL, ContactExtremes, DynamicsError, TransientCase};
+use asperity_dynamics::{COARSE_RESIDUAL, ContactExtremes, DynamicsError, Sampling, TransientCase};
 use asperity_law::LawError;
 
 use super::Reference;
@@ -201,10 +201,13 @@ impl<'a> Task<'a> {
     /// True if the fine response is compared with one of half the step, false for one of twice the step.
     /// Half the step costs more, and is worth it where the longer step then serves many runs.
     fn compares_with_half(&self) -> bool {
-        let serves_at_own_steps = self.serves == Some(Reference::Near)
-            && self.varies_steps()
-            && self.level.step < MOST_TOLERANCES;
-        self.is_of_octave() || serves_at_own_steps || self.first.step_is_given
+        let serves = if self.varies_steps() {
+            // Beyond the last tolerance rounding counts.
+            self.serves.is_some() && self.level.step < MOST_TOLERANCES
+        } else {
+            self.is_of_octave()
+        };
+        serves || self.first.step_is_given
     }
 
     /// Responses that are missing at the level. Before the fine response those that it is compared with are among
@@ -237,6 +240,12 @@ impl<'a> Task<'a> {
             ResponseKind::Fewer => self.case(self.first.of_other_modes(self.level), load),
             ResponseKind::Perturbed => self.case(self.level, perturbed(&load)),
         }
+    }
+
+    /// Samples of the history that a response keeps. The perturbed response has the steps of the fine one.
+    pub(super) fn sampling_of(&self, kind: ResponseKind) -> Option<&Sampling> {
+        let is_at_level = matches!(kind, ResponseKind::Fine | ResponseKind::Perturbed);
+        self.request.sampling.as_ref().filter(|_| is_at_level && self.varies_steps())
     }
 
     /// Takes in a response.
@@ -447,11 +456,12 @@ impl<'a> Task<'a> {
     /// The fine response as it is, without errors.
     pub(super) fn drafted(self) -> Option<Result<ConvergedRun, SimulationError>> {
         let counts = self.counts();
-        let run = |Response { case, record, observables }| ConvergedRun {
+        let run = |Response { case, record, observables, history }| ConvergedRun {
             case,
             observables,
             counts,
             record,
+            history,
         };
         Some(self.fine?.map(run))
     }
@@ -564,6 +574,7 @@ fn accepted(response: Response, counts: Vec<usize>, estimate: ErrorEstimate) -> 
     ConvergedRun {
         counts,
         record: response.record,
+        history: response.history,
         observables: response.observables.with_estimate(estimate),
         case: response.case,
     }
