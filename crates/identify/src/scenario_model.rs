@@ -151,7 +151,7 @@ impl ScenarioModel {
             let rig = &rigs[hit.rig];
             let load = hit.load(rig, hit.sensors.gains(point), &self.folder)?;
             let (prepared, duration) = (Arc::clone(rig.bars()?), hit.duration);
-            Ok(RunRequest { prepared, load, sensor: 0, duration, sampling: None, near: None })
+            Ok(RunRequest { prepared, load, sensor: 0, duration, near: None })
         };
         self.hits.iter().map(request).collect()
     }

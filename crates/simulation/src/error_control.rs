@@ -31,7 +31,7 @@ mod work;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_dynamics::{Batch, CaseResponse, DynamicsError, History, Sampling, TransientCase};
+use asperity_dynamics::{Batch, CaseResponse, DynamicsError, TransientCase};
 use asperity_signal::Complex64;
 use rayon::prelude::*;
 
@@ -374,11 +374,8 @@ impl ErrorControl {
         let groups: Vec<_> = cases.chunk_by(|a, b| kind(a) == kind(b)).collect();
         let found = groups.into_par_iter().flat_map_iter(|group| {
             let (places, cases): (Vec<usize>, Vec<TransientCase>) = group.iter().cloned().unzip();
-            let of = places.iter().map(|&place| {
-                let (n, kind) = wanted[place];
-                (&*tasks[n].request.prepared, tasks[n].sampling_of(kind))
-            });
-            let found = self.respond_to(cases, &of.collect::<Vec<_>>(), stop);
+            let prepared = places.iter().map(|&place| &*tasks[wanted[place].0].request.prepared);
+            let found = self.respond_to(cases, &prepared.collect::<Vec<_>>(), stop);
             places.into_iter().zip(found)
         });
         for (place, response) in found.collect::<Vec<_>>() {
@@ -388,45 +385,23 @@ impl ErrorControl {
         responses.into_iter().map(|response| response.unwrap_or_else(lost)).collect()
     }
 
-    /// Responses to cases of prepared scenarios, in order, with histories where they have samples.
+    /// Responses to cases of prepared scenarios, in order.
     fn respond_to(
         &self,
         cases: Vec<TransientCase>,
-        of: &[(&PreparedScenario, Option<&Sampling>)],
+        prepared: &[&PreparedScenario],
         stop: &AtomicBool,
     ) -> Vec<Result<Response, SimulationError>> {
         let decimation = |index: usize, step: f64| {
-            let natural = of[index].0.at_rest.natural_frequency_hz;
+            let natural = prepared[index].at_rest.natural_frequency_hz;
             self.extractor.decimation(natural, self.kept_hz, step)
         };
-        let (mut places, mut without) = (Vec::new(), Vec::new());
-        let mut records: Vec<Option<Recorded>> = Vec::new();
-        for (place, (case, (_, sampling))) in cases.iter().zip(of).enumerate() {
-            records.push(sampling.map(|sampling| {
-                let decimation = |step: f64| decimation(place, step);
-                let found = self.batch.response_with_history(case, sampling, &decimation, stop);
-                found.map(|(record, history)| (record, Some(history)))
-            }));
-            if sampling.is_none() {
-                places.push(place);
-                without.push(case.clone());
-            }
-        }
-        let decimation = |index: usize, step: f64| decimation(places[index], step);
-        let found = self.batch.run_unless(&without, &decimation, stop);
-        for (&place, record) in places.iter().zip(found) {
-            records[place] = Some(record.map(|record| (record, None)));
-        }
-        let response =
-            |((case, record), (prepared, _)): ((TransientCase, _), &(&PreparedScenario, _))| {
-                let record: Option<Recorded> = record;
-                let (record, history) = record.ok_or_else(|| self.without_response(stop))??;
-                let observables = self.extractor.observables(prepared, &case, &record)?;
-                Ok(Response { case, record, observables, history })
-            };
-        cases.into_iter().zip(records).zip(of).map(response).collect()
+        let records = self.batch.run_unless(&cases, &decimation, stop);
+        let response = |((case, record), prepared): ((TransientCase, _), &&PreparedScenario)| {
+            let record: CaseResponse = record?;
+            let observables = self.extractor.observables(prepared, &case, &record)?;
+            Ok(Response { case, record, observables })
+        };
+        cases.into_iter().zip(records).zip(prepared).map(response).collect()
     }
 }
-
-/// A response and its history, if it is kept.
-type Recorded = Result<(CaseResponse, Option<History>), DynamicsError>;

@@ -121,20 +121,14 @@ fn converged(
 ) -> Result<(Transient, Observables, Vec<usize>), SimulationError> {
     let Assembly { sampling, .. } = &prepared.assembly;
     let batch = Batch { instructions: modal.instructions };
-    let mut requests = RunRequest::at_sensors(prepared, &prepared.assembly.load, None);
-    if let Some(first) = requests.first_mut() {
-        first.sampling = Some(*sampling);
-    }
+    let requests = RunRequest::at_sensors(prepared, &prepared.assembly.load, None);
     let stage = info_span!("choose step and modes").entered();
     let chosen = ErrorControl::new(batch).run_unless(&requests, stop);
-    let mut chosen = ConvergedRun::joined(chosen)?;
+    let chosen = ConvergedRun::joined(chosen)?;
     drop(stage);
     progress(0.5);
     let _stage = info_span!("integrate and analyse").entered();
-    let transient = match chosen.transient() {
-        Some(transient) => transient,
-        None => batch.transient_unless(&chosen.case, sampling, stop)?,
-    };
+    let transient = batch.transient_unless(&chosen.case, sampling, stop)?;
     let found = Observables::of_transient(&prepared.assembly, &prepared.at_rest, &transient)?;
     progress(1.0);
     Ok((transient, found.with_estimate_of(&chosen.observables), chosen.counts))

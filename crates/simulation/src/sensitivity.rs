@@ -132,7 +132,6 @@ pub fn sensitivities(
         load: prepared.assembly.load.clone(),
         sensor: 0,
         duration: None,
-        sampling: None,
         near: None,
     })?;
     let (base, counts) = (chosen.case, chosen.counts);

@@ -21,11 +21,6 @@ impl Decimation {
         Arc::new(Self { factor: 1, taps: Arc::new([]) })
     }
 
-    /// All outputs as they are.
-    pub(super) fn identity() -> Arc<Self> {
-        Arc::new(Self { factor: 1, taps: Arc::new([1.0]) })
-    }
-
     /// Steps per sample kept; one where the factor is zero.
     pub(super) fn stride(&self) -> usize {
         self.factor.max(1)

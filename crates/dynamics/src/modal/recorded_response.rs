@@ -40,8 +40,7 @@ impl Batch {
     ) -> Result<Transient, DynamicsError> {
         if case.tolerance.is_some() {
             let sampled = SampledCase::new(case, sampling)?;
-            let (response, history) = self.own_steps_sampled(&sampled, sampling, true, stop)?;
-            return Ok(response.with_history(history));
+            return self.own_steps_sampled(&sampled, sampling, true, stop);
         }
         let (lane, outcome) = self.whole(case, stop)?;
         Ok(Transient {
@@ -51,25 +50,6 @@ impl Batch {
             contacts: contact_extremes(&lane, &outcome),
             energy: ledger(&lane, &outcome),
         })
-    }
-
-    /// The response to one case with a tolerance through the filter that `decimation` gives for a step \[s\], as
-    /// [`run`](Self::run) gives it, and its history, by one integration. Its longest step is a part of the sampling interval.
-    ///
-    /// # Errors
-    /// Those of [`transient_unless`](Self::transient_unless), and [`DynamicsError::Setting`] for a case without a tolerance.
-    pub fn response_with_history(
-        &self,
-        case: &TransientCase,
-        sampling: &Sampling,
-        decimation: &dyn Fn(f64) -> Arc<Decimation>,
-        stop: &AtomicBool,
-    ) -> Result<(CaseResponse, History), DynamicsError> {
-        let sampled = SampledCase::new(case, sampling)?;
-        let (whole, history) = self.own_steps_sampled(&sampled, sampling, true, stop)?;
-        let decimation = decimation(whole.step);
-        let displacement = decimation.filtered(&whole.displacement);
-        Ok((CaseResponse { displacement, decimation, ..whole }, history))
     }
 
     /// The whole response to one case with a tolerance, at steps of its own to the end: the second method for
@@ -83,9 +63,7 @@ impl Batch {
         sampling: &Sampling,
     ) -> Result<Transient, DynamicsError> {
         let sampled = SampledCase::new(case, sampling)?;
-        let never = AtomicBool::new(false);
-        let (response, history) = self.own_steps_sampled(&sampled, sampling, false, &never)?;
-        Ok(response.with_history(history))
+        self.own_steps_sampled(&sampled, sampling, false, &AtomicBool::new(false))
     }
 
     /// The steps of one case, at the step and with the tables that it needs.
@@ -107,20 +85,19 @@ impl Batch {
         }
     }
 
-    /// A case at steps of its own, to its end or to where equal steps take it on, with its displacement at every equal
-    /// step.
+    /// A case at steps of its own, to its end or to where equal steps take it on.
     fn own_steps_sampled(
         self,
         sampled: &SampledCase,
         sampling: &Sampling,
         may_end_midway: bool,
         stop: &AtomicBool,
-    ) -> Result<(CaseResponse, History), DynamicsError> {
+    ) -> Result<Transient, DynamicsError> {
         match variable_steps::transient(sampled, self.instructions, may_end_midway, stop)? {
-            Ended::Whole(response, history) => Ok((*response, history)),
+            Ended::Whole(response, history) => Ok(with_history(*response, history)),
             Ended::Midway(midway, history) => {
                 match self.taken_on(&sampled.case, *midway, history, sampling, stop)? {
-                    Some(response) => Ok(response),
+                    Some(transient) => Ok(transient),
                     None => self.own_steps_sampled(sampled, sampling, false, stop),
                 }
             }
@@ -136,7 +113,7 @@ impl Batch {
         mut history: History,
         sampling: &Sampling,
         stop: &AtomicBool,
-    ) -> Result<Option<(CaseResponse, History)>, DynamicsError> {
+    ) -> Result<Option<Transient>, DynamicsError> {
         let decimation = |_: usize, _: f64| Decimation::none();
         let mut preparation =
             Preparation { shapes: LoadShapes::default(), decimation: &decimation };
@@ -151,11 +128,8 @@ impl Batch {
             return Ok(None);
         }
         complete(&mut history, &attempt.lane, &outcome, &case.load, sampling);
-        let Some(mut response) = attempt.joined(&midway, outcome) else { return Ok(None) };
-        let mut displacement = midway.start.readings[..midway.start.first_known()].to_vec();
-        displacement.append(&mut response.displacement);
-        displacement.truncate(response.steps);
-        Ok(Some((CaseResponse { displacement, ..response }, history)))
+        let joined = attempt.joined(&midway, outcome);
+        Ok(joined.map(|response| with_history(response, history)))
     }
 
     /// The outcome of one case, recorded at every step.
@@ -167,10 +141,8 @@ impl Batch {
     }
 }
 
-impl CaseResponse {
-    /// The response with its history.
-    pub fn with_history(self, history: History) -> Transient {
-        let Self { step, integrated_steps: steps, contacts, energy, .. } = self;
-        Transient { step, steps, history, contacts, energy }
-    }
+/// A response at steps of its own with its history.
+fn with_history(response: CaseResponse, history: History) -> Transient {
+    let CaseResponse { step, integrated_steps: steps, contacts, energy, .. } = response;
+    Transient { step, steps, history, contacts, energy }
 }

@@ -137,8 +137,7 @@ pub(super) fn respond(
     recording.run(case, StepControl::of(case)?, (set, stop))
 }
 
-/// The response to a case at steps of its own, with its displacement at every equal step, and its history, or the case midway
-/// where that is enough.
+/// The response to a case at steps of its own with its history, or the case midway where that is enough.
 pub(super) fn transient(
     sampled: &SampledCase,
     set: InstructionSet,
@@ -191,7 +190,7 @@ impl Recording<'_> {
         let mut run: Integration<'_, N> =
             Integration::new(&case.model, &case.load, &exponents, control)?;
         let (mut readings, mut history) = (vec![0.0], History::default());
-        let all = Decimation::identity();
+        let none = Decimation::none();
         let mut watch = self.may_end_midway.then(|| Watch::new(case, control)).flatten();
         let decimation = match self.kept {
             Kept::Filtered(decimation) => decimation,
@@ -199,7 +198,7 @@ impl Recording<'_> {
                 let (sensors, contacts) = (case.model.sensors(), case.model.contacts().len());
                 history = History::with_capacity(samples, sensors, contacts);
                 run.record(&mut history, 0.0);
-                &all
+                &none
             }
         };
         let mut midway = false;

@@ -1,7 +1,6 @@
 //! Hits that equal steps take on once contacts hold, against steps of their own throughout.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use crate::support::AREA;
 use asperity_dynamics::{
@@ -138,37 +137,4 @@ fn the_rest_at_equal_steps_goes_on_as_at_steps_of_their_own() {
     }
     assert!(left >= 14, "{left}");
     assert!(failures.is_empty(), "{}", failures.join("\n"));
-}
-
-/// One integration gives the history of [`Batch::transient`] and the filtered output of [`Batch::run`], where contact holds
-/// in the end and where steps are the hit's own throughout.
-#[test]
-fn a_response_with_its_history_is_that_of_either_alone() {
-    let taps: Vec<f64> = (0..48).map(|k| f64::from(1 + k % 7) / 150.0).collect();
-    let decimation = Arc::new(Decimation { factor: 8, taps: taps.into() });
-    for (seed, periods) in (1..=6).flat_map(|seed| [1.0, 20.0].map(|periods| (seed, periods))) {
-        let (structure, load) = hit(seed);
-        let natural = structure.natural_frequency().unwrap();
-        let rate = 800.0 * natural;
-        let sampling = Sampling::new((periods * 800.0_f64).round() / rate, rate).unwrap();
-        let (step, tolerance) = (Some(sampling.interval()), Some(1e-6));
-        let method = Modal { step, tolerance, modes_per_body: Some(4), ..Modal::default() };
-        let case = method.case(&structure, &load, &[Port::TOP], &sampling).unwrap();
-        let batch = Batch::default();
-        let never = AtomicBool::new(false);
-        let (found, history) = batch
-            .response_with_history(&case, &sampling, &|_| Arc::clone(&decimation), &never)
-            .unwrap();
-        let whole = batch.transient(&case, &sampling).unwrap();
-        assert_eq!(history, whole.history, "{seed} {periods}");
-        assert_eq!((&found.contacts, found.energy), (&whole.contacts, whole.energy));
-        let filter = |_: usize, _: f64| Arc::clone(&decimation);
-        let alone = batch.run(&[case], &filter).into_iter().next().unwrap().unwrap();
-        assert_eq!((found.steps, found.integrated_steps), (alone.steps, alone.integrated_steps));
-        let most = alone.displacement.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
-        assert_eq!(found.displacement.len(), alone.displacement.len());
-        for (a, b) in found.displacement.iter().zip(&alone.displacement) {
-            assert!((a - b).abs() <= 1e-12 * most, "{seed} {periods}: {a} {b}");
-        }
-    }
 }

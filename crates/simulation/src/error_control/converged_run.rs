@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_dynamics::{CaseResponse, History, Sampling, Transient, TransientCase};
+use asperity_dynamics::{CaseResponse, TransientCase};
 use asperity_structure::LoadCase;
 
 use crate::accuracy::ErrorEstimate;
@@ -21,8 +21,6 @@ pub struct RunRequest {
     pub sensor: usize,
     /// Duration \[s\]; that of the scenario if not given.
     pub duration: Option<f64>,
-    /// Samples of the history that a run at steps of its own keeps; none for runs without a history.
-    pub sampling: Option<Sampling>,
     /// A structure close to this one, and the load with a rounded amplitude: other requests have the same, and
     /// step, modes and errors are found there. None for a request that is refined by itself.
     pub near: Option<(Arc<PreparedScenario>, LoadCase)>,
@@ -39,7 +37,6 @@ pub struct ConvergedRun {
     /// Modes of each body, the rigid one included.
     pub counts: Vec<usize>,
     pub(super) record: CaseResponse,
-    pub(super) history: Option<History>,
 }
 
 impl ConvergedRun {
@@ -56,12 +53,6 @@ impl ConvergedRun {
         let others = others.collect::<Result<Vec<_>, SimulationError>>()?;
         first.observables = first.observables.with_sensors(others);
         Ok(first)
-    }
-
-    /// The whole response, of a run at steps of its own whose request has a sampling.
-    pub(crate) fn transient(&mut self) -> Option<Transient> {
-        let history = self.history.take()?;
-        Some(self.record.clone().with_history(history))
     }
 
     pub(super) fn is_reached(&self) -> bool {
@@ -81,7 +72,6 @@ impl RunRequest {
             load: load.clone(),
             sensor,
             duration,
-            sampling: None,
             near: None,
         };
         (0..prepared.assembly.sensors.len()).map(request).collect()
@@ -97,13 +87,13 @@ impl RunRequest {
         let octave = amplitude.abs().log2().ceil().exp2().copysign(amplitude);
         let prepared = self.near.as_ref().map_or(&self.prepared, |(prepared, _)| prepared);
         let (prepared, load) = (Arc::clone(prepared), self.load.with_amplitude(octave));
-        Some(Self { prepared, load, sampling: None, near: None, ..self.clone() })
+        Some(Self { prepared, load, near: None, ..self.clone() })
     }
 
     /// The request of the near run, which loses contact as this request does.
     pub(super) fn near_run(&self) -> Option<Self> {
         let (prepared, load) = self.near.clone()?;
-        Some(Self { prepared, load, sampling: None, near: None, ..self.clone() })
+        Some(Self { prepared, load, near: None, ..self.clone() })
     }
 
     pub(super) fn is(&self, other: &Self) -> bool {

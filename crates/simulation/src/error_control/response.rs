@@ -1,6 +1,6 @@
 //! Responses of a run while it is refined.
 
-use asperity_dynamics::{CaseResponse, ContactExtremes, History, TransientCase};
+use asperity_dynamics::{CaseResponse, ContactExtremes, TransientCase};
 use asperity_structure::LoadCase;
 
 use crate::observables::Observables;
@@ -30,8 +30,6 @@ pub(super) struct Response {
     pub(super) case: TransientCase,
     pub(super) record: CaseResponse,
     pub(super) observables: Observables,
-    /// History of a response at steps of its own, if it is asked for.
-    pub(super) history: Option<History>,
 }
 
 impl Response {

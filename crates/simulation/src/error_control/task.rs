@@ -5,7 +5,7 @@
 //! accepted when all errors together are as small as was asked for; otherwise the next level has half the
 //! step, twice the modes, or both.
 
-use asperity_dynamics::{COARSE_RESIDUAL, ContactExtremes, DynamicsError, Sampling, TransientCase};
+use asperity_dynamics::{COARSE_RESIDUAL, ContactExtremes, DynamicsError, TransientCase};
 use asperity_law::LawError;
 
 use super::Reference;
@@ -242,12 +242,6 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// Samples of the history that a response keeps. The perturbed response has the steps of the fine one.
-    pub(super) fn sampling_of(&self, kind: ResponseKind) -> Option<&Sampling> {
-        let is_at_level = matches!(kind, ResponseKind::Fine | ResponseKind::Perturbed);
-        self.request.sampling.as_ref().filter(|_| is_at_level && self.varies_steps())
-    }
-
     /// Takes in a response.
     pub(super) fn take(&mut self, kind: ResponseKind, response: Result<Response, SimulationError>) {
         let of_kind = match kind {
@@ -456,12 +450,11 @@ impl<'a> Task<'a> {
     /// The fine response as it is, without errors.
     pub(super) fn drafted(self) -> Option<Result<ConvergedRun, SimulationError>> {
         let counts = self.counts();
-        let run = |Response { case, record, observables, history }| ConvergedRun {
+        let run = |Response { case, record, observables }| ConvergedRun {
             case,
             observables,
             counts,
             record,
-            history,
         };
         Some(self.fine?.map(run))
     }
@@ -574,7 +567,6 @@ fn accepted(response: Response, counts: Vec<usize>, estimate: ErrorEstimate) -> 
     ConvergedRun {
         counts,
         record: response.record,
-        history: response.history,
         observables: response.observables.with_estimate(estimate),
         case: response.case,
     }
