@@ -420,10 +420,39 @@ impl<'a> Task<'a> {
 
     /// Accepts the fine response, or prepares the next level.
     pub(super) fn accept_or_refine(&mut self) {
-        if let Some(reached) = self.reached.take() {
-            self.accept_eased(*reached);
+        match self.reached.take() {
+            Some(reached) => self.accept_eased(*reached),
+            None => self.judge(),
+        }
+    }
+
+    /// Accepts the fine response with its errors, and with those by the modes alone, unless the equal steps that were left or
+    /// a larger tolerance are to be tried.
+    fn accept(
+        &mut self,
+        fine: Response,
+        (estimate, by_modes): (ErrorEstimate, ErrorEstimate),
+        diverged: Option<(f64, Observables)>,
+    ) {
+        if self.slow.is_some() && !estimate.is_reached() && !fine.loses_contact() {
+            self.return_to_equal_steps();
             return;
         }
+        let modes = fine.record.modes;
+        let mut done = accepted(fine, self.counts(), estimate);
+        if let Some((from, perturbed)) = diverged {
+            done.observables.set_sensitive(from, Some(&perturbed));
+        } else if self.may_be_eased(&done) {
+            self.level.is_eased = true;
+            self.truncation = Some((modes, by_modes));
+            self.reached = Some(Box::new(done));
+            return;
+        }
+        self.done = Some(Ok(done));
+    }
+
+    /// Accepts the fine response if its errors are small enough, or prepares the next level.
+    fn judge(&mut self) {
         match self.fine.take() {
             None => {}
             // Equal steps, however short, take what steps of its own do not.
@@ -511,21 +540,7 @@ impl<'a> Task<'a> {
                 } else {
                     let by_tables = self.table_errors(&fine);
                     let estimate = by_step.plus(&by_modes).plus(&by_fast_modes).plus(&by_tables);
-                    if self.slow.is_some() && !estimate.is_reached() && !fine.loses_contact() {
-                        self.return_to_equal_steps();
-                        return;
-                    }
-                    let modes = fine.record.modes;
-                    let mut done = accepted(fine, self.counts(), estimate);
-                    if let Some((from, perturbed)) = diverged {
-                        done.observables.set_sensitive(from, Some(&perturbed));
-                    } else if self.may_be_eased(&done) {
-                        self.level.is_eased = true;
-                        self.truncation = Some((modes, by_modes));
-                        self.reached = Some(Box::new(done));
-                        return;
-                    }
-                    self.done = Some(Ok(done));
+                    self.accept(fine, (estimate, by_modes), diverged);
                 }
             }
         }
