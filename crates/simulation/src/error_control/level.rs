@@ -11,15 +11,13 @@ const MOST_MODES: usize = 512;
 pub(super) struct Level {
     pub(super) step: i32,
     pub(super) modes: i32,
-    /// True for a larger tolerance of steps of its own than the step has.
-    pub(super) is_eased: bool,
 }
 
 /// First level at steps of its own: what opens and closes excites more modes.
-const FIRST_VARIED: Level = Level { step: 1, modes: 3, is_eased: false };
+const FIRST_VARIED: Level = Level { step: 1, modes: 3 };
 
 /// Level at steps of its own of a draft.
-const DRAFT_VARIED: Level = Level { step: 0, modes: 2, is_eased: false };
+const DRAFT_VARIED: Level = Level { step: 0, modes: 2 };
 
 /// Step and modes that a refinement begins with.
 #[derive(Debug, Clone)]

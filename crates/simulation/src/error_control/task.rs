@@ -5,10 +5,8 @@
 //! accepted when all errors together are as small as was asked for; otherwise the next level has half the
 //! step, twice the modes, or both.
 
-use asperity_dynamics::{COARSE_RESIDUAL, DynamicsError, TransientCase};
+use asperity_dynamics::{COARSE_RESIDUAL, ContactExtremes, DynamicsError, TransientCase};
 use asperity_law::LawError;
-
-mod errors;
 
 use super::Reference;
 use super::converged_run::{ConvergedRun, RunRequest};
@@ -32,9 +30,6 @@ const FIRST_TOLERANCE: f64 = 4e-6;
 
 /// Halvings of equal steps before steps of a response's own may take their place while contact holds.
 const LEAST_EQUAL_HALVINGS: i32 = 2;
-
-/// Multiple of the tolerance that rows of a near run may have, where it reaches the accuracy with that too.
-const EASED_TOLERANCE: f64 = 4.0;
 
 /// Refinements of that tolerance before an accuracy counts as not reached: beyond, rounding counts.
 const MOST_TOLERANCES: i32 = 3;
@@ -95,8 +90,6 @@ pub(super) struct Task<'a> {
     /// The time from which on the fine response and its perturbed run differ, and the observables of the
     /// perturbed run.
     pub(super) diverged: Option<(f64, Observables)>,
-    /// The run that has reached the accuracy, while a larger tolerance is tried.
-    reached: Option<Box<ConvergedRun>>,
     pub(super) done: Option<Result<ConvergedRun, SimulationError>>,
 }
 
@@ -138,7 +131,6 @@ impl<'a> Task<'a> {
             fewer: None,
             truncation: None,
             diverged: None,
-            reached: None,
             done: None,
         })
     }
@@ -150,9 +142,7 @@ impl<'a> Task<'a> {
 
     /// The transient case at a level under `load`.
     fn case(&self, level: Level, load: LoadCase) -> Result<TransientCase, SimulationError> {
-        let first =
-            if level.is_eased { EASED_TOLERANCE * FIRST_TOLERANCE } else { FIRST_TOLERANCE };
-        let tolerance = self.varies_steps().then(|| first / 16.0_f64.powi(level.step));
+        let tolerance = self.varies_steps().then(|| FIRST_TOLERANCE / 16.0_f64.powi(level.step));
         let counts = self.first.counts_at(level);
         Ok(TransientCase {
             model: self.request.prepared.modal_model(&counts, load.port())?,
@@ -323,6 +313,84 @@ impl<'a> Task<'a> {
         self.request.prepared.assembly.accuracy
     }
 
+    /// Errors by the step.
+    fn step_errors(&self, fine: &Response) -> ErrorEstimate {
+        let Some(Ok(other)) = &self.other else {
+            return ErrorEstimate::unknown(fine.observables.all(), self.accuracy());
+        };
+        let [finer, coarser] =
+            if self.compares_with_half() { [other, fine] } else { [fine, other] };
+        if finer.record.is_of_second_order && !coarser.record.is_of_second_order {
+            // The error of the finer one may be the larger.
+            return ErrorEstimate::unknown(fine.observables.all(), self.accuracy());
+        }
+        // Of second order while contact holds; of first where it is lost, or friction begins to slip. At steps of its own
+        // half the difference from a coarser one is a bound by experience; twice that from a finer one bounds near runs too.
+        let kinks = fine.loses_contact() || other.loses_contact() || fine.has_friction();
+        let divisor = match (self.compares_with_half(), kinks) {
+            (false, _) if self.varies_steps() => 2.0,
+            (true, _) if self.varies_steps() => 0.5,
+            (false, false) => 3.0,
+            (false, true) => 1.0,
+            (true, false) => 0.75,
+            (true, true) => 0.5,
+        };
+        ErrorEstimate::new(
+            fine.observables.all(),
+            other.observables.all(),
+            divisor,
+            self.accuracy(),
+        )
+    }
+
+    /// Errors by the truncation of modes, of third order in their number; with loss of contact or
+    /// friction of no certain order, the whole difference.
+    fn truncation_errors(&self, fine: &Response) -> ErrorEstimate {
+        match &self.fewer {
+            Some(Ok(fewer)) => {
+                let kinks = fewer.loses_contact() || fine.loses_contact() || fine.has_friction();
+                let is_of_more = fewer.record.modes > fine.record.modes;
+                let divisor = if kinks || is_of_more { 1.0 } else { 3.0 };
+                ErrorEstimate::new(
+                    fine.observables.all(),
+                    fewer.observables.all(),
+                    divisor,
+                    self.accuracy(),
+                )
+            }
+            None | Some(Err(_)) => ErrorEstimate::unknown(fine.observables.all(), self.accuracy()),
+        }
+    }
+
+    /// Upper bound of the errors by modes that are too fast for the fine response and for the response of
+    /// another step.
+    fn fast_mode_errors(&self, fine: &Response) -> ErrorEstimate {
+        if self.varies_steps() {
+            // Steps are short until modes too fast for longer ones are at rest.
+            return ErrorEstimate::of_share(fine.observables.all(), 0.0, self.accuracy());
+        }
+        let step = match &self.other {
+            Some(Ok(other)) => other.record.step.min(fine.record.step),
+            _ => fine.record.step,
+        };
+        let error = fine.case.error_of_fast_modes(step, &fine.record);
+        ErrorEstimate::of_share(fine.observables.all(), error, self.accuracy())
+    }
+
+    /// Errors by the tables of the laws: their largest differences from the laws, over the ranges of
+    /// pressure, are those of the forces.
+    fn table_errors(&self, fine: &Response) -> ErrorEstimate {
+        let Ok(errors) = fine.record.table_errors(&fine.case.model) else {
+            return ErrorEstimate::unknown(fine.observables.all(), self.accuracy());
+        };
+        let share = |(error, contact): (f64, &ContactExtremes)| {
+            if error == 0.0 { 0.0 } else { error / (contact.pressure_max - contact.pressure_min) }
+        };
+        let shares = errors.into_iter().zip(&fine.record.contacts).map(share);
+        let largest = shares.fold(0.0, f64::max);
+        ErrorEstimate::of_share(fine.observables.all(), largest, self.accuracy())
+    }
+
     /// Step and modes for other runs; none if the run does not serve them: it failed, did not reach the
     /// accuracy, or lost contact at equal steps.
     pub(super) fn chosen(self) -> Option<Chosen> {
@@ -391,68 +459,8 @@ impl<'a> Task<'a> {
         Some(self.fine?.map(run))
     }
 
-    /// True for a near run that has reached the accuracy, whose rows take less time at a larger tolerance: the finer response
-    /// that it was compared with shows the errors there.
-    fn may_be_eased(&self, done: &ConvergedRun) -> bool {
-        self.serves == Some(Reference::Near)
-            && self.varies_steps()
-            && self.compares_with_half()
-            && done.is_reached()
-    }
-
-    /// Accepts the response at the larger tolerance if its errors are small enough, or else the one `reached` before.
-    fn accept_eased(&mut self, reached: ConvergedRun) {
-        let known = self.truncation.take();
-        let eased = match (self.fine.take(), known) {
-            (Some(Ok(fine)), Some((modes, by_modes)))
-                if fine.record.modes == modes
-                    && fine.record.energy.residual_relative() <= COARSE_RESIDUAL =>
-            {
-                let by_step = self.step_errors(&fine);
-                let estimate = by_step.plus(&by_modes).plus(&self.table_errors(&fine));
-                Some(accepted(fine, self.counts(), estimate)).filter(ConvergedRun::is_reached)
-            }
-            _ => None,
-        };
-        self.level.is_eased = eased.is_some();
-        self.done = Some(Ok(eased.unwrap_or(reached)));
-    }
-
     /// Accepts the fine response, or prepares the next level.
     pub(super) fn accept_or_refine(&mut self) {
-        match self.reached.take() {
-            Some(reached) => self.accept_eased(*reached),
-            None => self.judge(),
-        }
-    }
-
-    /// Accepts the fine response with its errors, and with those by the modes alone, unless the equal steps that were left or
-    /// a larger tolerance are to be tried.
-    fn accept(
-        &mut self,
-        fine: Response,
-        (estimate, by_modes): (ErrorEstimate, ErrorEstimate),
-        diverged: Option<(f64, Observables)>,
-    ) {
-        if self.slow.is_some() && !estimate.is_reached() && !fine.loses_contact() {
-            self.return_to_equal_steps();
-            return;
-        }
-        let modes = fine.record.modes;
-        let mut done = accepted(fine, self.counts(), estimate);
-        if let Some((from, perturbed)) = diverged {
-            done.observables.set_sensitive(from, Some(&perturbed));
-        } else if self.may_be_eased(&done) {
-            self.level.is_eased = true;
-            self.truncation = Some((modes, by_modes));
-            self.reached = Some(Box::new(done));
-            return;
-        }
-        self.done = Some(Ok(done));
-    }
-
-    /// Accepts the fine response if its errors are small enough, or prepares the next level.
-    fn judge(&mut self) {
         match self.fine.take() {
             None => {}
             // Equal steps, however short, take what steps of its own do not.
@@ -540,7 +548,15 @@ impl<'a> Task<'a> {
                 } else {
                     let by_tables = self.table_errors(&fine);
                     let estimate = by_step.plus(&by_modes).plus(&by_fast_modes).plus(&by_tables);
-                    self.accept(fine, (estimate, by_modes), diverged);
+                    if self.slow.is_some() && !estimate.is_reached() && !fine.loses_contact() {
+                        self.return_to_equal_steps();
+                        return;
+                    }
+                    let mut done = accepted(fine, self.counts(), estimate);
+                    if let Some((from, perturbed)) = diverged {
+                        done.observables.set_sensitive(from, Some(&perturbed));
+                    }
+                    self.done = Some(Ok(done));
                 }
             }
         }
