@@ -5,7 +5,6 @@
 //! JSON type, and reports faults inside it. The tests compare it with an independent validator.
 
 mod accepted;
-mod place;
 mod union;
 mod walker;
 
@@ -15,8 +14,7 @@ use crate::diagnostic::{Diagnostic, MAX_FAULTS};
 use crate::fault::Fault;
 use crate::suggest::nearest;
 use crate::wording::{brief, found, number};
-use place::Place;
-use walker::{Walker, has_type};
+use walker::{Place, Walker, has_type};
 
 /// Checks a JSON value against a schema generated from a Rust type, and returns all faults; of more
 /// than [`MAX_FAULTS`] the first.

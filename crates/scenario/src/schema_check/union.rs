@@ -3,8 +3,7 @@
 use serde_json::Value;
 
 use super::accepted::{branches, kind_of, one_of};
-use super::place::Place;
-use super::walker::{Walker, has_type};
+use super::walker::{Place, Walker, has_type};
 use crate::diagnostic::Diagnostic;
 use crate::fault::Fault;
 use crate::suggest::nearest;

@@ -1,13 +1,40 @@
-//! The state of a check, and the types of JSON Schema.
+//! The state of a check, places in a document, and the types of JSON Schema.
 
 use serde_json::Value;
 
 use crate::diagnostic::Diagnostic;
+use crate::pointer::JsonPointer;
 
 /// A walk over a document and its schema, and the faults found on it.
 pub(super) struct Walker<'s> {
     pub(super) root: &'s Value,
     pub(super) found: Vec<Diagnostic>,
+}
+
+/// A value's place: that of the value around it, and its key or index there. It becomes a pointer where a fault is.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Place<'a> {
+    Root,
+    Key(&'a Place<'a>, &'a str),
+    Item(&'a Place<'a>, usize),
+}
+
+impl<'a> Place<'a> {
+    pub(super) fn key(&'a self, key: &'a str) -> Self {
+        Place::Key(self, key)
+    }
+
+    pub(super) fn item(&'a self, index: usize) -> Self {
+        Place::Item(self, index)
+    }
+
+    pub(super) fn pointer(&self) -> JsonPointer {
+        match self {
+            Place::Root => JsonPointer::root(),
+            Place::Key(around, key) => around.pointer().child(key),
+            Place::Item(around, index) => around.pointer().child(index),
+        }
+    }
 }
 
 /// True where `value` has the JSON Schema type `kind`.
