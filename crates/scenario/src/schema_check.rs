@@ -76,11 +76,7 @@ impl<'s> Walker<'s> {
                     let free = names().filter(|name| !object.contains_key(*name));
                     let near = nearest(key, free);
                     meant.extend(near);
-                    let unknown = Diagnostic::new(
-                        &child.pointer(),
-                        Fault::UnknownKey,
-                        accepted::keys(names()),
-                    );
+                    let unknown = child.diagnostic(Fault::UnknownKey, accepted::keys(names()));
                     self.found.push(unknown.suggest_word(near));
                 }
                 (None, Some(rest)) => self.node(rest, value, &child),
@@ -96,7 +92,7 @@ impl<'s> Walker<'s> {
                     None => brief(key),
                 };
                 let key = key.to_owned();
-                self.found.push(Diagnostic::new(&at.pointer(), Fault::MissingKey(key), accepted));
+                self.found.push(at.diagnostic(Fault::MissingKey(key), accepted));
             }
         }
     }
@@ -108,7 +104,7 @@ impl<'s> Walker<'s> {
         let many = limit("maxItems").is_some_and(|most| count as u64 > most);
         if few || many {
             let fault = Fault::WrongLength(count);
-            self.found.push(Diagnostic::new(&at.pointer(), fault, self.accepted(node)));
+            self.found.push(at.diagnostic(fault, self.accepted(node)));
         }
         if let Some(item_node) = node.get("items") {
             for (index, item) in items.iter().enumerate() {
@@ -124,7 +120,7 @@ impl<'s> Walker<'s> {
                 let fault = Fault::OutOfBounds { value: size, bound };
                 let default = node.get("default").and_then(Value::as_f64).map(number);
                 let accepted = self.accepted(node);
-                self.found.push(Diagnostic::new(&at.pointer(), fault, accepted).suggest(default));
+                self.found.push(at.diagnostic(fault, accepted).suggest(default));
             }
         }
     }
@@ -132,7 +128,7 @@ impl<'s> Walker<'s> {
     fn text(&mut self, node: &'s Value, text: &str, at: &Place<'_>) {
         let least = node.get("minLength").and_then(Value::as_u64);
         if least.is_some_and(|least| (text.chars().count() as u64) < least) {
-            self.found.push(Diagnostic::new(&at.pointer(), Fault::EmptyText, self.accepted(node)));
+            self.found.push(at.diagnostic(Fault::EmptyText, self.accepted(node)));
         }
     }
 
@@ -141,7 +137,7 @@ impl<'s> Walker<'s> {
         let fault = Fault::NotAccepted(found(value));
         let suggestion = self.meant(node, value);
         let accepted = self.accepted(node);
-        self.found.push(Diagnostic::new(&at.pointer(), fault, accepted).suggest(suggestion));
+        self.found.push(at.diagnostic(fault, accepted).suggest(suggestion));
     }
 
     /// Value of the right type that may have been meant by `value`.

@@ -34,7 +34,7 @@ impl<'s> Walker<'s> {
             let near = value.as_str().and_then(|word| nearest(word, kinds.iter().copied()));
             let meant = near.map(|kind| format!("{{\"kind\": {}}}", brief(kind)));
             let accepted = self.accepted(node);
-            self.found.push(Diagnostic::new(&at.pointer(), fault, accepted).suggest(meant));
+            self.found.push(at.diagnostic(fault, accepted).suggest(meant));
             return;
         };
         match object.get("kind") {
@@ -42,13 +42,11 @@ impl<'s> Walker<'s> {
                 let key = "kind".to_owned();
                 let near = nearest("kind", object.keys().map(String::as_str));
                 let diagnostic = match near {
-                    Some(near) => Diagnostic::new(
-                        &at.key(near).pointer(),
-                        Fault::UnknownKey,
-                        one_of(&["kind"]),
-                    )
-                    .suggest_word(Some("kind")),
-                    None => Diagnostic::new(&at.pointer(), Fault::MissingKey(key), one_of(kinds)),
+                    Some(near) => at
+                        .key(near)
+                        .diagnostic(Fault::UnknownKey, one_of(&["kind"]))
+                        .suggest_word(Some("kind")),
+                    None => at.diagnostic(Fault::MissingKey(key), one_of(kinds)),
                 };
                 self.found.push(diagnostic);
             }
@@ -59,12 +57,12 @@ impl<'s> Walker<'s> {
                 }
                 let fault = Fault::UnknownKind(kind.clone());
                 let near = nearest(kind, kinds.iter().copied());
-                let diagnostic = Diagnostic::new(&at.key("kind").pointer(), fault, one_of(kinds));
+                let diagnostic = at.key("kind").diagnostic(fault, one_of(kinds));
                 self.found.push(diagnostic.suggest_word(near));
             }
             Some(other) => {
                 let fault = Fault::NotAccepted(found(other));
-                self.found.push(Diagnostic::new(&at.key("kind").pointer(), fault, one_of(kinds)));
+                self.found.push(at.key("kind").diagnostic(fault, one_of(kinds)));
             }
         }
     }
@@ -82,7 +80,7 @@ impl<'s> Walker<'s> {
             0 => Fault::NoneGiven(keys),
             _ => Fault::SeveralGiven(given),
         };
-        self.found.push(Diagnostic::new(&at.pointer(), fault, accepted));
+        self.found.push(at.diagnostic(fault, accepted));
     }
 
     /// True where an unknown key of the object at `at` was reported as a misspelling of one of `keys`.

@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use crate::diagnostic::Diagnostic;
+use crate::fault::Fault;
 use crate::pointer::JsonPointer;
 
 /// A walk over a document and its schema, and the faults found on it.
@@ -26,6 +27,11 @@ impl<'a> Place<'a> {
 
     pub(super) fn item(&'a self, index: usize) -> Self {
         Place::Item(self, index)
+    }
+
+    /// A fault at this place.
+    pub(super) fn diagnostic(&self, fault: Fault, accepted: impl Into<String>) -> Diagnostic {
+        Diagnostic::new(&self.pointer(), fault, accepted)
     }
 
     pub(super) fn pointer(&self) -> JsonPointer {
