@@ -135,8 +135,10 @@ impl CompiledLaw {
     }
 
     /// Tabulates like [`new`](Self::new), but with cells of one width, for kernels that look up many
-    /// closures at once. A law that never separates is covered down to a millionth of
-    /// `pressure_state`; below it the table gives the pressure there.
+    /// closures at once. A law that never separates is covered down to a tenth of `tolerance` times
+    /// `pressure_state`, and at least to a millionth of it; from there the pressure falls to zero within about as much
+    /// closure as the tangent there does. Faces far apart have no pressure then, as nearly by the law: a rest of a
+    /// millionth would push a light body for as long as it flies.
     ///
     /// # Errors
     /// Those of [`new`](Self::new).
@@ -161,9 +163,40 @@ impl CompiledLaw {
         tolerance: f64,
         least_cells: usize,
     ) -> Result<Self, LawError> {
-        let table = Self::build(law, pressures, tolerance, CellLayout::Uniform)?;
+        let mut table = Self::build(law, pressures, tolerance, CellLayout::Uniform)?;
+        let domain = law.domain();
+        if !domain.separates() && !domain.is_bilateral() {
+            table.add_tail();
+        }
         let parts = least_cells.div_ceil(table.cells.len() - 1);
         Ok(table.divided(parts))
+    }
+
+    /// Cells below the lowest, of one cubic from its pressure and tangent to zero, and no pressure below.
+    fn add_tail(&mut self) {
+        let Some(&[c0, c1, ..]) = self.cells.get(1) else { return };
+        let (lowest, most) = (self.pressure_state + c0, self.cells.len());
+        let count = ((lowest / c1).ceil() as usize).clamp(1, most);
+        let width = 1.0 / count as f64;
+        // The fall over the tail at the tangent; the cubic goes on falling up to three.
+        let fall = (c1 / (width * lowest)).min(3.0);
+        let [square, cube] = [lowest * (3.0 - fall), lowest * (fall - 2.0)];
+        let tail = (0..count).map(|cell| {
+            let t = cell as f64 * width;
+            [
+                t * t * (square + t * cube) - self.pressure_state,
+                width * t * (2.0 * square + t * 3.0 * cube),
+                width * width * (square + 3.0 * t * cube),
+                width * width * width * cube,
+            ]
+        });
+        let below = [0.0 - self.pressure_state, 0.0, 0.0, 0.0];
+        let cells = std::iter::once(below).chain(tail).chain(self.cells[1..].iter().copied());
+        self.cells = cells.collect();
+        self.x_lo -= count as f64 / self.coarse.cells_per_metre;
+        self.coarse.offset += count as f64;
+        self.coarse = self.coarse.starting_at(self.x_lo);
+        self.error_estimate = self.error_estimate.max(lowest);
     }
 
     /// The same cubics on cells of one width, each in so many parts.
@@ -204,7 +237,7 @@ impl CompiledLaw {
         above(LawQuantity::Tolerance, tolerance, 0.0)?;
         let scale = pressure_state.abs().max((pressure_top - pressure_state) / 1000.0);
         let limit = tolerance * scale;
-        let range = TableRange::of(law, pressure_state, pressure_top, layout)?;
+        let range = TableRange::of(law, (pressure_state, pressure_top), tolerance, layout)?;
 
         let source = Source::new(law, (pressure_state, pressure_top), limit);
         let mut wanted = FIRST_CELLS;
@@ -377,13 +410,7 @@ impl CompiledLaw {
         // The rise over a cell at the tangent of a node.
         let rise = |node: Pressure, width: f64| (node.value, node.tangent * (grid.width * width));
         let mut cells = Vec::with_capacity(places.len());
-        cells.push(if range.separates {
-            [0.0 - state, 0.0, 0.0, 0.0]
-        } else if range.floored {
-            [nodes[0].value, 0.0, 0.0, 0.0]
-        } else {
-            [f64::NAN; 4]
-        });
+        cells.push(if range.separates { [0.0 - state, 0.0, 0.0, 0.0] } else { [f64::NAN; 4] });
         for (i, pair) in nodes.windows(2).enumerate() {
             let width = if i < fine_cells { part } else { 1.0 };
             cells.push(hermite(rise(pair[0], width), rise(pair[1], width)));
@@ -449,7 +476,7 @@ mod tests {
                         continue;
                     }
                     let fewer = FIRST_CELLS << (doublings as usize - 1);
-                    let range = TableRange::of(law, state, top, layout).unwrap();
+                    let range = TableRange::of(law, (state, top), tolerance, layout).unwrap();
                     let grid = range.grid(fewer, LAST_CELLS + 2).unwrap();
                     let places = range.places(&grid);
                     let limit = tolerance * scale;

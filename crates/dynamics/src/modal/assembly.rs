@@ -9,12 +9,13 @@ use asperity_structure::{Guide, LoadCase, PreloadedContact, PreloadedStructure};
 
 use super::damped_table::{DampedTable, stiffness_in_step};
 use super::decimation::Decimation;
-use super::law_tables::{TABLE_TOLERANCE, table, top};
+use super::law_tables::{table, tolerance_at_equal_steps, top};
 use super::linear_tail::LinearTail;
 use super::row_modes::RowModes;
 use super::simd::table_lookup::TableRow;
 use super::step_coefficients::StepCoefficients;
 use super::step_model::{InterpolationChoice, StepModel};
+use super::step_size::longest_step;
 use crate::DynamicsError;
 use crate::error::check_modal_damping;
 
@@ -257,25 +258,35 @@ impl ModalModel {
     ///
     /// A correction that passes a kink of the friction leaves an error of the friction's stiffness times
     /// the correction. It may be as large as the error of the table of the contact that gives the scale.
-    fn tolerance(&self, i: usize, tables: &[Arc<CompiledLaw>]) -> f64 {
-        let own = tables.get(i).map(|table| tolerance(table));
+    fn tolerance(&self, i: usize, tables: &[Arc<CompiledLaw>], of_tables: f64) -> f64 {
+        let own = tables.get(i).map(|table| tolerance(table, of_tables));
         let Some((friction, contact)) = self.friction(i) else { return own.unwrap_or(1.0) };
         let contact = &self.contacts()[contact];
         let carried = contact.area() * contact.pressure();
         let scale = if carried > 0.0 { carried } else { friction.limit(0.0) };
         let cells =
             tables.get(i).map_or(GUIDE_CELLS_PER_METRE, |table| table.scales()[1].cells_per_metre);
-        let kink = TABLE_TOLERANCE * scale / friction.stiffness() * cells;
+        let kink = of_tables * scale / friction.stiffness() * cells;
         own.map_or(kink, |own| own.min(kink))
     }
 
-    /// The tables of the laws up to `2^exponent` \[Pa\] above rest.
+    /// Error of the tables at equal steps of `step` \[s\], as a share of the static pressures.
+    pub(super) fn table_tolerance(&self, step: f64) -> f64 {
+        let parts = self.structure.natural_frequency().map(|f| longest_step(f) / step);
+        tolerance_at_equal_steps(parts.unwrap_or(1.0))
+    }
+
+    /// The tables of the laws up to `2^exponent` \[Pa\] above rest, whose errors are this share of the static pressures.
     ///
     /// # Errors
     /// [`DynamicsError::Law`] when a law cannot be tabulated that far.
-    pub(super) fn tables(&self, exponents: &[i32]) -> Result<Vec<Arc<CompiledLaw>>, DynamicsError> {
+    pub(super) fn tables(
+        &self,
+        exponents: &[i32],
+        tolerance: f64,
+    ) -> Result<Vec<Arc<CompiledLaw>>, DynamicsError> {
         let contacts = self.contacts().iter().zip(exponents);
-        contacts.map(|(contact, &exponent)| table(contact, exponent)).collect()
+        contacts.map(|(contact, &exponent)| table(contact, exponent, tolerance)).collect()
     }
 
     /// The coefficients of steps of their own of `step` \[s\], for tables up to `2^exponent` \[Pa\] above
@@ -327,11 +338,12 @@ impl ModalModel {
         if let Some(found) = cache.get(&key) {
             return Ok(Arc::clone(found));
         }
-        let tables = self.tables(exponents)?;
+        let of_tables = self.table_tolerance(step);
+        let tables = self.tables(exponents, of_tables)?;
         let (areas, stiffest) = self.stiffest(step, exponents);
         let rate = self.structure.damping_rate();
         let step_model = StepModel::new(&self.rows, &areas, &stiffest, rate, step, interpolation);
-        let tolerances = (0..self.rows()).map(|i| self.tolerance(i, &tables)).collect();
+        let tolerances = (0..self.rows()).map(|i| self.tolerance(i, &tables, of_tables)).collect();
         let pairs = self.contacts().iter().zip(&tables);
         let damped = if self.is_dissipative() {
             pairs.map(|(contact, table)| DampedTable::new(contact, table, step)).collect()
@@ -360,6 +372,8 @@ pub(super) fn table_error(
     let (law, state) = (contact.law(), contact.pressure());
     let [low, high] =
         [lowest, highest].map(|pressure| law.closure_increment(state, pressure - state));
+    // Faces far apart are any distance from each other.
+    let low = low.max(table.x_lo());
     let error = |sample: u32| {
         let closure = low + (high - low) * f64::from(sample) / f64::from(TABLE_SAMPLES);
         (table.get(closure) - law.pressure_increment(state, closure).value).abs()
@@ -372,7 +386,7 @@ pub(super) fn table_error(
 /// A correction `x` leaves an error of pressure `p'' x^2 / 2`; it may be as large as the table's
 /// own. The steepest tenth of the cells, those next to a singular loss of contact, do not count:
 /// there a correction is larger than this anyway, and is followed by another.
-fn tolerance(table: &CompiledLaw) -> f64 {
+fn tolerance(table: &CompiledLaw, of_tables: f64) -> f64 {
     let cells = table.cells().iter().skip(1);
     let mut bends: Vec<f64> =
         cells.map(|[_, _, c2, c3]| (2.0 * c2).abs().max((2.0 * c2 + 6.0 * c3).abs())).collect();
@@ -381,6 +395,6 @@ fn tolerance(table: &CompiledLaw) -> f64 {
         Some(_) => *bends.select_nth_unstable_by(tenth, f64::total_cmp).1,
         None => 0.0,
     };
-    let bound = table.error_estimate().max(TABLE_TOLERANCE * table.pressure_state().abs());
+    let bound = table.error_estimate().max(of_tables * table.pressure_state().abs());
     (2.0 * bound / steep).sqrt().clamp(0.05, 4.0)
 }

@@ -407,8 +407,9 @@ impl Attempt {
     }
 
     fn record(&self, outcome: Outcome) -> CaseResponse {
+        let step = self.lane.tabulated.step_model.step;
         CaseResponse {
-            step: self.lane.tabulated.step_model.step,
+            step,
             steps: self.lane.steps,
             integrated_steps: self.lane.integrated(),
             modes: self.lane.tabulated.step_model.modes.len(),
@@ -418,6 +419,7 @@ impl Attempt {
             displacement: outcome.displacement,
             is_of_second_order: self.settings.interpolation == InterpolationChoice::Average,
             table_exponents: self.settings.table_exponents.clone(),
+            table_tolerance: self.lane.model.table_tolerance(step),
         }
     }
 }

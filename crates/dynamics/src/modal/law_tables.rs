@@ -7,12 +7,19 @@ use asperity_structure::PreloadedContact;
 
 use crate::DynamicsError;
 
-/// Largest error of a tabulated pressure, as a share of the static pressure: a hundredth of
-/// the error of the step at its default length.
-pub(super) const TABLE_TOLERANCE: f64 = 1e-5;
+/// Largest error of a tabulated pressure at equal steps of the longest that are chosen, as a share of the static pressure: a
+/// hundredth of the error of the step. With half the step it is a sixteenth, by twice the cells: the difference of two
+/// responses of different steps shows what they make of the error of tables.
+const AT_LONGEST_STEPS: f64 = 1e-5;
 
-/// Factors on that error, tried in turn for laws that stiffen without bound.
-const TOLERANCES: [f64; 3] = [1.0, 10.0, 100.0];
+/// The same at steps of a case's own, over the error of a traction within a step.
+const OVER_STEP_ERROR: f64 = 10.0;
+
+/// Smallest and largest error that a table is asked for.
+const TOLERANCES: [f64; 2] = [1e-9, 1e-3];
+
+/// Factor on the error that is tried next for a law that cannot be tabulated so well, up to the limit.
+const COARSER: f64 = 10.0;
 
 /// Fewest cells of the table of a damped contact: its coefficient may bend where the law is straight.
 const DAMPED_CELLS: usize = 1024;
@@ -28,16 +35,16 @@ static KNOWN: Mutex<Vec<KnownTable>> = Mutex::new(Vec::new());
 struct KnownTable {
     /// Keeps the address of the law from being used again.
     law: Weak<dyn ContactLaw>,
-    /// Static pressure and top of the table \[Pa\], in bits.
-    pressures: [u64; 2],
+    /// Static pressure and top of the table \[Pa\], and its tolerance, in bits.
+    numbers: [u64; 3],
     least_cells: usize,
     table: Arc<CompiledLaw>,
 }
 
 impl KnownTable {
-    fn is_of(&self, law: &Arc<dyn ContactLaw>, pressures: [u64; 2], least_cells: usize) -> bool {
+    fn is_of(&self, law: &Arc<dyn ContactLaw>, numbers: [u64; 3], least_cells: usize) -> bool {
         std::ptr::addr_eq(self.law.as_ptr(), Arc::as_ptr(law))
-            && (self.pressures, self.least_cells) == (pressures, least_cells)
+            && (self.numbers, self.least_cells) == (numbers, least_cells)
     }
 }
 
@@ -46,22 +53,36 @@ pub(super) fn top(contact: &PreloadedContact, exponent: i32) -> f64 {
     contact.pressure() + f64::from(exponent).exp2()
 }
 
-/// The table of a contact's law up to `2^exponent` \[Pa\] above rest.
+/// The error of tables, as a share of the static pressure, at equal steps of which the longest that is chosen takes so
+/// many; models of like steps share tables.
+pub(super) fn tolerance_at_equal_steps(parts: f64) -> f64 {
+    (AT_LONGEST_STEPS * (1.0_f64 / 16.0).powf(parts.log2().floor().max(0.0))).max(TOLERANCES[0])
+}
+
+/// The same at steps of a case's own of this error.
+pub(super) fn tolerance_at_own_steps(step_error: f64) -> f64 {
+    let [least, most] = TOLERANCES;
+    (OVER_STEP_ERROR * step_error).clamp(least, most)
+}
+
+/// The table of a contact's law up to `2^exponent` \[Pa\] above rest, whose error is this share of the static
+/// pressure, or more for a law that is too steep.
 ///
 /// # Errors
 /// [`DynamicsError::Law`] when the law cannot be tabulated that far.
 pub(super) fn table(
     contact: &PreloadedContact,
     exponent: i32,
+    tolerance: f64,
 ) -> Result<Arc<CompiledLaw>, DynamicsError> {
     let (law, ends) = (contact.law(), [contact.pressure(), top(contact, exponent)]);
-    let pressures = ends.map(f64::to_bits);
+    let numbers = [ends[0], ends[1], tolerance].map(f64::to_bits);
     let least_cells = if contact.damping().is_some() { DAMPED_CELLS } else { 0 };
     let lock = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(known) = lock().iter().find(|one| one.is_of(law, pressures, least_cells)) {
+    if let Some(known) = lock().iter().find(|one| one.is_of(law, numbers, least_cells)) {
         return Ok(Arc::clone(&known.table));
     }
-    let table = compile(law, ends, least_cells)
+    let table = compile(law, ends, tolerance, least_cells)
         .map_err(|source| DynamicsError::Law { interface: contact.name().to_owned(), source })?;
     let table = Arc::new(table);
     let mut known = lock();
@@ -70,21 +91,21 @@ pub(super) fn table(
         known.clear();
     }
     let (law, kept) = (Arc::downgrade(law), Arc::clone(&table));
-    known.push(KnownTable { law, pressures, least_cells, table: kept });
+    known.push(KnownTable { law, numbers, least_cells, table: kept });
     Ok(table)
 }
 
-/// A table of `law`; coarser than usual for a law that is too steep.
+/// A table of `law`; coarser than asked for where the law is too steep.
 fn compile(
     law: &Arc<dyn ContactLaw>,
     [pressure, top]: [f64; 2],
+    mut tolerance: f64,
     least_cells: usize,
 ) -> Result<CompiledLaw, LawError> {
-    let compile = |times: f64| {
-        CompiledLaw::uniform_of(law, (pressure, top), times * TABLE_TOLERANCE, least_cells)
-    };
-    TOLERANCES[1..].iter().fold(compile(TOLERANCES[0]), |table, times| match table {
-        Err(LawError::Unresolved { .. }) => compile(*times),
-        found => found,
-    })
+    loop {
+        match CompiledLaw::uniform_of(law, (pressure, top), tolerance, least_cells) {
+            Err(LawError::Unresolved { .. }) if tolerance < TOLERANCES[1] => tolerance *= COARSER,
+            found => return found,
+        }
+    }
 }

@@ -50,6 +50,11 @@ impl TransientCase {
     }
 }
 
+/// Longest step \[s\] that is chosen for a structure of this lowest natural frequency \[Hz\].
+pub(super) fn longest_step(natural_frequency: f64) -> f64 {
+    RADIANS / (TAU * natural_frequency)
+}
+
 /// A step and the number of steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Resolution {
@@ -73,7 +78,7 @@ impl Resolution {
             }
             return Self::of(case, step, (duration / step - 1e-9).ceil().max(1.0));
         }
-        let slow = natural.map_or(f64::INFINITY, |f| RADIANS / (TAU * f));
+        let slow = natural.map_or(f64::INFINITY, longest_step);
         let step = slow.min(case.load.time_scale() / STEPS_A_PULSE).min(duration / 64.0);
         // Round down, ten steps a decade, so that cases of like structures share a step.
         let decade = 10.0_f64.powf(step.log10().floor());

@@ -89,6 +89,7 @@ pub struct CaseResponse {
     /// motion under an interpolation of higher order did not stay bounded.
     pub is_of_second_order: bool,
     pub(super) table_exponents: Vec<i32>,
+    pub(super) table_tolerance: f64,
 }
 
 impl CaseResponse {
@@ -98,7 +99,7 @@ impl CaseResponse {
     /// # Errors
     /// [`DynamicsError::Law`] when a law cannot be tabulated any more.
     pub fn table_errors(&self, model: &ModalModel) -> Result<Vec<f64>, DynamicsError> {
-        let tables = model.tables(&self.table_exponents)?;
+        let tables = model.tables(&self.table_exponents, self.table_tolerance)?;
         let contacts = model.contacts().iter().zip(&tables).zip(&self.contacts);
         let error = |((contact, table), seen): ((_, &Arc<CompiledLaw>), &ContactExtremes)| {
             table_error(contact, table, [seen.pressure_min, seen.pressure_max])

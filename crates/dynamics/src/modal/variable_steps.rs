@@ -44,6 +44,7 @@ use pulp::{Simd, WithSimd};
 
 use super::assembly::MOST_INTERFACES;
 use super::decimation::Decimation;
+use super::law_tables::tolerance_at_own_steps;
 use super::transient_case::{CaseResponse, TransientCase, first_table_exponents};
 use crate::error::{balanced, positive};
 use crate::{DynamicsError, History, InstructionSet, Sampling};
@@ -75,6 +76,11 @@ impl StepControl {
         }
         let tolerance = positive(quantity, value)?;
         Ok(Self { base, steps, stride: 1, tolerance })
+    }
+
+    /// Error of the tables of laws, as a share of the static pressures.
+    fn table_tolerance(&self) -> f64 {
+        tolerance_at_own_steps(self.tolerance)
     }
 
     /// Equal steps \[s\] that may take the case on.
@@ -237,6 +243,7 @@ impl Recording<'_> {
             energy,
             is_of_second_order: false,
             table_exponents: exponents,
+            table_tolerance: control.table_tolerance(),
         };
         Ok(Ended::Whole(Box::new(response), history))
     }

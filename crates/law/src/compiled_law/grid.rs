@@ -3,10 +3,11 @@
 use crate::contact_law::ContactLaw;
 use crate::error::{LawError, LawQuantity, above, finite};
 
-/// Lowest pressure over that of the state, for a law that never separates: in tables that end
-/// there, and in uniform ones, which hold that pressure below it.
+/// Lowest pressure over that of the state, for a law that never separates: in tables that end there; and in
+/// uniform ones, which fall to zero from it, over the tolerance, and at most.
 const LOWEST: f64 = 1.0 / 64.0;
-const LOWEST_UNIFORM: f64 = 1e-6;
+const LOWEST_UNIFORM: f64 = 0.1;
+const MOST_UNIFORM: f64 = 1e-6;
 
 /// Number of cells next to a singular loss of contact that are divided, and the division of each. A
 /// power law `d^a`, 1 < a < 2, has errors like `i^(a-4)` in cell i; both numbers reduce them alike.
@@ -26,8 +27,6 @@ pub(super) struct TableRange {
     /// Contact is lost where the stiffness leaves zero with a vertical tangent.
     pub(super) singular: bool,
     layout: CellLayout,
-    /// Below the table lies the pressure of its lowest node, though the law goes on falling.
-    pub(super) floored: bool,
     pub(super) down: f64,
     up: f64,
 }
@@ -35,8 +34,8 @@ pub(super) struct TableRange {
 impl TableRange {
     pub(super) fn of(
         law: &dyn ContactLaw,
-        state: f64,
-        top: f64,
+        (state, top): (f64, f64),
+        tolerance: f64,
         layout: CellLayout,
     ) -> Result<Self, LawError> {
         let domain = law.domain();
@@ -54,14 +53,13 @@ impl TableRange {
             0.0
         } else {
             above(LawQuantity::PressureState, state, 0.0)?
-                * if uniform { LOWEST_UNIFORM } else { LOWEST }
+                * if uniform { (LOWEST_UNIFORM * tolerance).min(MOST_UNIFORM) } else { LOWEST }
         };
         let down = if lowest == state { 0.0 } else { law.closure_increment(state, lowest - state) };
         Ok(Self {
             separates: domain.separates(),
             singular: domain.separates() && law.stiffness_slope(0.0) == f64::INFINITY,
             layout,
-            floored: uniform && !domain.separates() && !domain.is_bilateral(),
             down: finite(LawQuantity::PressureState, down)?,
             up: finite(LawQuantity::PressureTop, law.closure_increment(state, top - state))?,
         })

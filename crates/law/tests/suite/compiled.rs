@@ -70,6 +70,48 @@ fn estimate_covers(
     Ok(())
 }
 
+/// A law that never separates falls to zero pressure below a uniform table, without a jump or a pull on the way, and is
+/// off by no more than the estimate; with a smaller tolerance it is followed further down.
+#[test]
+fn faces_that_never_separate_have_no_pressure_far_apart() {
+    let exponential = Arc::new(Exponential::new(1e-7, 1e5).unwrap());
+    let laws: [(Arc<dyn ContactLaw>, f64); 4] = [
+        (exponential.clone(), 1e-8),
+        (Arc::new(InSeries::new(exponential, 3e11).unwrap()), 1e-8),
+        (Arc::new(Power::new(1e7, 1.0, 1e5).unwrap()), 1e-8),
+        // Its closures reach so far that rounding allows no more.
+        (Arc::new(Power::new(1e5, 1.3, 1e5).unwrap()), 2e-6),
+    ];
+    for (law, smallest) in laws {
+        let mut started = 0.0;
+        for tolerance in [1e-4, smallest] {
+            let table = CompiledLaw::uniform(&law, STATE, 1e6, tolerance).unwrap();
+            let (lowest, limit) = (table.x_lo(), tolerance * STATE);
+            assert!(lowest < 1.1 * started, "{law:?}: {lowest:e} after {started:e}");
+            started = lowest;
+            for below in [lowest.next_down(), 2.0 * lowest, -1.0] {
+                assert_eq!(table.get_with_tangent(below), (-STATE, 0.0), "{law:?} {below}");
+            }
+            assert!(table.error_estimate() <= limit);
+            let scale = table.scales()[1];
+            let width = scale.cells_per_metre.recip();
+            let mut last = (-STATE, 0.0);
+            for i in 1..(100.0 * scale.offset) as usize {
+                let x = lowest + 0.01 * i as f64 * width;
+                let (value, tangent) = table.get_with_tangent(x);
+                let off = (value - law.pressure_increment(STATE, x).value).abs();
+                assert!(off <= table.error_estimate(), "{law:?} at {x:e}: {off:e}");
+                let rounding = 1e-13 * STATE;
+                assert!(value >= last.0 - rounding, "{law:?} at {x:e}: {value} below {}", last.0);
+                // No jump, and none of the tangent, which doubles within a cell at most.
+                let rise = 0.01 * width * tangent.max(last.1);
+                assert!(value - last.0 <= 1.5 * rise + rounding, "{law:?} at {x:e}");
+                last = (value, tangent);
+            }
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 

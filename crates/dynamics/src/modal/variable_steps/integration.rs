@@ -108,7 +108,7 @@ impl<'a, const N: usize> Integration<'a, N> {
         exponents: &'a [i32],
         control: StepControl,
     ) -> Result<Self, DynamicsError> {
-        let tables = model.tables(exponents)?;
+        let tables = model.tables(exponents, control.table_tolerance())?;
         let pairs = model.contacts().iter().zip(tables);
         let contacts: Vec<Contact<'_>> =
             pairs.map(|(contact, table)| Contact::new(contact, table)).collect();
