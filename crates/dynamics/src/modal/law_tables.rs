@@ -13,7 +13,7 @@ use crate::DynamicsError;
 const AT_LONGEST_STEPS: f64 = 1e-5;
 
 /// The same at steps of a case's own, over the error of a traction within a step.
-const OVER_STEP_ERROR: f64 = 10.0;
+const OVER_STEP_ERROR: f64 = 40.0;
 
 /// Smallest and largest error that a table is asked for.
 const TOLERANCES: [f64; 2] = [1e-9, 1e-3];

@@ -81,7 +81,7 @@ fn a_pulse_of_a_nanonewton_moves_the_rig_in_proportion() {
             // The pressure of 1e-5 Pa is 1e-10 of the static one; the law's table
             // places its argument to 1e-16 of its own length, some 1e-6 of that.
             // The uniform tables of modal steps are as long as the closures down to a millionth
-            // of the pressure, which for m = 1.5 is a thousand times the closure at rest.
+            // of the pressure and half as far again, for m = 1.5 some thousand times the closure at rest.
             let tolerance = if name == "power, m = 1.5" { 2e-3 } else { 1e-5 };
             assert!(off < tolerance, "{name} {}: {off}", method.name());
         }
