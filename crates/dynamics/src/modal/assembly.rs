@@ -14,8 +14,7 @@ use super::linear_tail::LinearTail;
 use super::row_modes::RowModes;
 use super::simd::table_lookup::TableRow;
 use super::step_coefficients::StepCoefficients;
-use super::step_model::{InterpolationChoice, StepModel};
-use super::step_size::longest_step;
+use super::step_model::{InterpolationChoice, StepModel, longest_step};
 use crate::DynamicsError;
 use crate::error::check_modal_damping;
 

@@ -1,7 +1,13 @@
 //! All numbers of a step that do not depend on the load.
 
+use std::f64::consts::TAU;
+
 use super::oscillator::{Dynamics, ForceInterpolation, Recurrence};
 use super::row_modes::{RowFlexibility, RowMode, RowModes};
+
+/// Share of a radian of the lowest natural frequency in a step: the quartic through five
+/// pressures then changes the damping ratio by `(w h)^5 / 100`, less than one millionth.
+const RADIANS: f64 = 0.095;
 
 /// Square of the radians in a step, 1.2, up to which the quartic damps an oscillation of a mode and the
 /// contact springs. Faster oscillations would grow; the mean of both ends has a larger error, of second
@@ -52,6 +58,11 @@ impl InterpolationChoice {
         };
         modes.iter().zip(interpolations).map(of).collect()
     }
+}
+
+/// Longest step \[s\] that is chosen for a structure of this lowest natural frequency \[Hz\].
+pub(super) fn longest_step(natural_frequency: f64) -> f64 {
+    RADIANS / (TAU * natural_frequency)
 }
 
 /// One mode and its share in forces and closures.

@@ -2,14 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use super::step_model::longest_step;
 use super::transient_case::TransientCase;
 use crate::DynamicsError;
 use crate::error::positive;
 use crate::run_bounds::check_recorded_steps;
-
-/// Share of a radian of the lowest natural frequency in a step: the quartic through five
-/// pressures then changes the damping ratio by `(w h)^5 / 100`, less than one millionth.
-const RADIANS: f64 = 0.095;
 
 /// Most radians of the lowest natural frequency in a step that was given, beyond which the motion
 /// is not resolved.
@@ -48,11 +45,6 @@ impl TransientCase {
     pub fn first_step(&self) -> Result<(f64, usize), DynamicsError> {
         Resolution::first(self).map(|resolution| (resolution.step, resolution.steps))
     }
-}
-
-/// Longest step \[s\] that is chosen for a structure of this lowest natural frequency \[Hz\].
-pub(super) fn longest_step(natural_frequency: f64) -> f64 {
-    RADIANS / (TAU * natural_frequency)
 }
 
 /// A step and the number of steps.
