@@ -137,8 +137,8 @@ impl CompiledLaw {
     /// Tabulates like [`new`](Self::new), but with cells of one width, for kernels that look up many
     /// closures at once. A law that never separates is covered down to a tenth of `tolerance` times
     /// `pressure_state`, and at least to a millionth of it; from there the pressure falls to zero within about as much
-    /// closure as the tangent there does. Faces far apart have no pressure then, as nearly by the law: a rest of a
-    /// millionth would push a light body for as long as it flies.
+    /// closure as it would by the tangent there, and is zero below. A pressure held there, however small, would push a light
+    /// body for as long as it flies.
     ///
     /// # Errors
     /// Those of [`new`](Self::new).

@@ -104,7 +104,9 @@ fn compile(
 ) -> Result<CompiledLaw, LawError> {
     loop {
         match CompiledLaw::uniform_of(law, (pressure, top), tolerance, least_cells) {
-            Err(LawError::Unresolved { .. }) if tolerance < TOLERANCES[1] => tolerance *= COARSER,
+            Err(LawError::Unresolved { .. }) if tolerance < TOLERANCES[1] => {
+                tolerance = (COARSER * tolerance).min(TOLERANCES[1]);
+            }
             found => return found,
         }
     }

@@ -128,8 +128,8 @@ fn finite_differences_tend_to_modal_steps_on_random_damped_rigs() {
 }
 
 /// Against a hundredth of the step: third order, from the jump in the curvature of the pulse as it
-/// begins, and second order with a sample, whose forces are means of a step. At the longest step that is chosen, twice the
-/// first one here, tables of the laws are as coarse.
+/// begins, and second order with a sample, whose forces are means of a step. Tables of the laws are coarser at longer steps;
+/// at these their error does not count.
 #[test]
 fn damped_modal_steps_converge() {
     let damping = ContactDamping::kelvin_voigt(6e-6).unwrap();
