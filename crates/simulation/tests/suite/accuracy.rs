@@ -96,7 +96,8 @@ fn errors_of_tables_are_stated_as_the_motion_makes_them_count() {
         assert!(stated < 2e-2 * exact, "{stated:e}");
     }
     let every = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });
-    let record = batch.run(&[case.clone()], &|_, _| Arc::clone(&every)).remove(0).unwrap();
+    let record =
+        batch.run(std::slice::from_ref(&case), &|_, _| Arc::clone(&every)).remove(0).unwrap();
     assert!(record.contacts[1].pressure_min < 1e-9, "{}", record.contacts[1].pressure_min);
     let errors = record.table_errors(&case.model).unwrap();
     assert!(errors.iter().all(|error| *error > 0.0 && *error < 1e-3), "{errors:?}");
