@@ -9,12 +9,12 @@ use asperity_structure::{Guide, LoadCase, PreloadedContact, PreloadedStructure};
 
 use super::damped_table::{DampedTable, stiffness_in_step};
 use super::decimation::Decimation;
-use super::law_tables::{table, tolerance_at_equal_steps, top};
+use super::law_tables::{table, top};
 use super::linear_tail::LinearTail;
 use super::row_modes::RowModes;
 use super::simd::table_lookup::TableRow;
 use super::step_coefficients::StepCoefficients;
-use super::step_model::{InterpolationChoice, StepModel, longest_step};
+use super::step_model::{InterpolationChoice, StepModel};
 use crate::DynamicsError;
 use crate::error::check_modal_damping;
 
@@ -42,8 +42,9 @@ pub struct ModalModel {
     step_coefficients: Mutex<KnownCoefficients>,
 }
 
-/// Tabulated models by the bits of their step, the exponents of their tables, and interpolation.
-type Prepared = HashMap<(u64, Vec<i32>, InterpolationChoice), Arc<TabulatedModel>>;
+/// Tabulated models by the bits of their step and of the error of their tables, the exponents of these, and
+/// interpolation.
+type Prepared = HashMap<([u64; 2], Vec<i32>, InterpolationChoice), Arc<TabulatedModel>>;
 
 /// Coefficients of steps of their own by the bits of the step and the exponents of the tables.
 type KnownCoefficients = HashMap<(u64, Vec<i32>), Arc<StepCoefficients>>;
@@ -53,6 +54,8 @@ type KnownCoefficients = HashMap<(u64, Vec<i32>), Arc<StepCoefficients>>;
 pub(super) struct TabulatedModel {
     pub(super) step_model: StepModel,
     pub(super) tables: Vec<Arc<CompiledLaw>>,
+    /// Their error, as a share of the static pressures.
+    pub(super) table_tolerance: f64,
     /// Newton correction at each row, in cells, below which the law is replaced by its tangent.
     pub(super) tolerances: Vec<f64>,
     /// Of every contact if one is damped or there is friction, else none.
@@ -269,12 +272,6 @@ impl ModalModel {
         own.map_or(kink, |own| own.min(kink))
     }
 
-    /// Error of the tables at equal steps of `step` \[s\], as a share of the static pressures.
-    pub(super) fn table_tolerance(&self, step: f64) -> f64 {
-        let parts = self.structure.natural_frequency().map(|f| longest_step(f) / step);
-        tolerance_at_equal_steps(parts.unwrap_or(1.0))
-    }
-
     /// The tables of the laws up to `2^exponent` \[Pa\] above rest, whose errors are this share of the static pressures.
     ///
     /// # Errors
@@ -321,28 +318,28 @@ impl ModalModel {
     }
 
     /// The model for steps of `step` \[s\], with the table of each contact up to `2^exponent` \[Pa\]
-    /// above rest, and a choice of interpolations.
+    /// above rest, whose error is this share of the static pressure, and a choice of interpolations.
     ///
     /// # Errors
     /// [`DynamicsError::Law`] when a law cannot be tabulated that far.
     pub(super) fn prepare(
         &self,
         step: f64,
-        exponents: &[i32],
+        (exponents, table_tolerance): (&[i32], f64),
         interpolation: InterpolationChoice,
     ) -> Result<Arc<TabulatedModel>, DynamicsError> {
-        let key = (step.to_bits(), exponents.to_vec(), interpolation);
+        let key = ([step, table_tolerance].map(f64::to_bits), exponents.to_vec(), interpolation);
         // A thread that panicked elsewhere leaves whole entries behind.
         let mut cache = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(found) = cache.get(&key) {
             return Ok(Arc::clone(found));
         }
-        let of_tables = self.table_tolerance(step);
-        let tables = self.tables(exponents, of_tables)?;
+        let tables = self.tables(exponents, table_tolerance)?;
         let (areas, stiffest) = self.stiffest(step, exponents);
         let rate = self.structure.damping_rate();
         let step_model = StepModel::new(&self.rows, &areas, &stiffest, rate, step, interpolation);
-        let tolerances = (0..self.rows()).map(|i| self.tolerance(i, &tables, of_tables)).collect();
+        let tolerance = |i| self.tolerance(i, &tables, table_tolerance);
+        let tolerances = (0..self.rows()).map(tolerance).collect();
         let pairs = self.contacts().iter().zip(&tables);
         let damped = if self.is_dissipative() {
             pairs.map(|(contact, table)| DampedTable::new(contact, table, step)).collect()
@@ -350,7 +347,9 @@ impl ModalModel {
             Vec::new()
         };
         let tails = Mutex::default();
-        let prepared = Arc::new(TabulatedModel { step_model, tables, tolerances, damped, tails });
+        let prepared =
+            TabulatedModel { step_model, tables, table_tolerance, tolerances, damped, tails };
+        let prepared = Arc::new(prepared);
         if cache.len() >= MOST_TABULATED {
             cache.clear();
         }

@@ -289,8 +289,8 @@ impl Preparation<'_> {
     ) -> Result<Attempt, DynamicsError> {
         let Resolution { step, steps } = Resolution::halved(case, settings.halvings)?;
         let load = self.shapes.load_steps(&case.load, step, steps);
-        let tabulated =
-            case.model.prepare(step, &settings.table_exponents, settings.interpolation)?;
+        let tables = (settings.table_exponents.as_slice(), case.table_tolerance(step)?);
+        let tabulated = case.model.prepare(step, tables, settings.interpolation)?;
         let decimation = (self.decimation)(index, step);
         let start = || ring_down::start(&case.model, &load, step, steps);
         let tail = settings.may_end_linearly.then(start).flatten();
@@ -419,7 +419,7 @@ impl Attempt {
             displacement: outcome.displacement,
             is_of_second_order: self.settings.interpolation == InterpolationChoice::Average,
             table_exponents: self.settings.table_exponents.clone(),
-            table_tolerance: self.lane.model.table_tolerance(step),
+            table_tolerance: self.lane.tabulated.table_tolerance,
         }
     }
 }

@@ -7,9 +7,10 @@ use asperity_structure::PreloadedContact;
 
 use crate::DynamicsError;
 
-/// Largest error of a tabulated pressure at equal steps of the longest that are chosen, as a share of the static pressure: a
-/// hundredth of the error of the step. With half the step it is a sixteenth, by twice the cells: the difference of two
-/// responses of different steps shows what they make of the error of tables.
+/// Largest error of a tabulated pressure at the longest equal steps that are chosen for a case, as a
+/// share of the static pressure: a hundredth of the error of the step. With half the step it is a
+/// sixteenth, by twice the cells: the difference of two responses of different steps shows what they
+/// make of the error of tables.
 const AT_LONGEST_STEPS: f64 = 1e-5;
 
 /// The same at steps of a case's own, over the error of a traction within a step.
@@ -53,10 +54,11 @@ pub(super) fn top(contact: &PreloadedContact, exponent: i32) -> f64 {
     contact.pressure() + f64::from(exponent).exp2()
 }
 
-/// The error of tables, as a share of the static pressure, at equal steps of which the longest that is chosen takes so
-/// many; models of like steps share tables.
+/// The error of tables, as a share of the static pressure, at equal steps of which the longest that is
+/// chosen for the case takes so many; like steps share tables.
 pub(super) fn tolerance_at_equal_steps(parts: f64) -> f64 {
-    (AT_LONGEST_STEPS * (1.0_f64 / 16.0).powf(parts.log2().floor().max(0.0))).max(TOLERANCES[0])
+    (AT_LONGEST_STEPS * (1.0_f64 / 16.0).powf((parts.log2() + 1e-6).floor().max(0.0)))
+        .max(TOLERANCES[0])
 }
 
 /// The same at steps of a case's own of this error.
@@ -65,8 +67,8 @@ pub(super) fn tolerance_at_own_steps(step_error: f64) -> f64 {
     (OVER_STEP_ERROR * step_error).clamp(least, most)
 }
 
-/// The table of a contact's law up to `2^exponent` \[Pa\] above rest, whose error is this share of the static
-/// pressure, or more for a law that is too steep.
+/// The table of a contact's law up to `2^exponent` \[Pa\] above rest, whose error is this share of the
+/// static pressure, or more for a law that is too steep.
 ///
 /// # Errors
 /// [`DynamicsError::Law`] when the law cannot be tabulated that far.

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::law_tables::tolerance_at_equal_steps;
 use super::step_model::longest_step;
 use super::transient_case::TransientCase;
 use crate::DynamicsError;
@@ -45,6 +46,14 @@ impl TransientCase {
     pub fn first_step(&self) -> Result<(f64, usize), DynamicsError> {
         Resolution::first(self).map(|resolution| (resolution.step, resolution.steps))
     }
+
+    /// Error of the tables at equal steps of `step` \[s\], as a share of the static pressures.
+    ///
+    /// # Errors
+    /// As [`first_step`](Self::first_step).
+    pub(super) fn table_tolerance(&self, step: f64) -> Result<f64, DynamicsError> {
+        Ok(tolerance_at_equal_steps(Resolution::chosen(self)?.step / step))
+    }
 }
 
 /// A step and the number of steps.
@@ -59,17 +68,24 @@ impl Resolution {
     /// The step that a case is first tried with: as given, or so that the lowest natural
     /// frequency and the load are resolved. A chosen step divides the duration.
     fn first(case: &TransientCase) -> Result<Self, DynamicsError> {
+        let Some(step) = case.step else {
+            let Self { step, steps } = Self::chosen(case)?;
+            return Self::of(case, step, steps as f64);
+        };
+        let duration = positive("duration [s]", case.duration)?;
+        let step = positive("step [s]", step)?;
+        let value = TAU * step * case.model.preloaded().natural_frequency().unwrap_or(0.0);
+        if value > MOST_RADIANS {
+            let quantity = "step [s] times lowest natural frequency [rad/s]";
+            return Err(DynamicsError::Setting { quantity, value, accepted: "at most 1" });
+        }
+        Self::of(case, step, (duration / step - 1e-9).ceil().max(1.0))
+    }
+
+    /// The longest step that is chosen for a case, also where one is given.
+    fn chosen(case: &TransientCase) -> Result<Self, DynamicsError> {
         let duration = positive("duration [s]", case.duration)?;
         let natural = case.model.preloaded().natural_frequency();
-        if let Some(step) = case.step {
-            let step = positive("step [s]", step)?;
-            let value = TAU * step * natural.unwrap_or(0.0);
-            if value > MOST_RADIANS {
-                let quantity = "step [s] times lowest natural frequency [rad/s]";
-                return Err(DynamicsError::Setting { quantity, value, accepted: "at most 1" });
-            }
-            return Self::of(case, step, (duration / step - 1e-9).ceil().max(1.0));
-        }
         let slow = natural.map_or(f64::INFINITY, longest_step);
         let step = slow.min(case.load.time_scale() / STEPS_A_PULSE).min(duration / 64.0);
         // Round down, ten steps a decade, so that cases of like structures share a step.
@@ -77,7 +93,7 @@ impl Resolution {
         let round = ROUND.into_iter().find(|m| m * decade <= step * (1.0 + 1e-9));
         let step = round.unwrap_or(1.0) * decade;
         let steps = (duration / step - 1e-9).ceil();
-        Self::of(case, duration / steps, steps)
+        Ok(Self { step: duration / steps, steps: steps as usize })
     }
 
     /// The step of [`first`](Self::first), halved.
