@@ -61,8 +61,8 @@ pub use instruction_set::InstructionSet;
 pub use integrator::Integrator;
 pub use modal::{
     Batch, COARSE_RESIDUAL, CaseResponse, ContactMeasures, ContactsResponse, ContactsState,
-    Decimation, MOST_CONTACTS, ManyContacts, Modal, ModalModel, ParameterVariation, Sensitivity,
-    StepHistory, TransientCase,
+    Decimation, MOST_CONTACTS, ManyContacts, Modal, ModalModel, ParameterVariation, PeriodicMotion,
+    Sensitivity, StepHistory, TransientCase,
 };
 pub use run_bounds::RunOutline;
 pub use transient::{

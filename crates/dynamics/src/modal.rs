@@ -25,6 +25,7 @@
 //! | `step_model` | all numbers of a step that do not depend on the load |
 //! | `load_steps` | the load, step by step |
 //! | `transient_case` | one case and its response |
+//! | `periodic_start` | a case that goes on from a motion with the period of its load |
 //! | `prepared_case` | one case, prepared for one step length |
 //! | `step_size` | the choice of the step |
 //! | `fast_modes` | the error by modes that a step does not show |
@@ -63,6 +64,7 @@ mod linear_tail;
 mod load_steps;
 mod many_contacts;
 mod oscillator;
+mod periodic_start;
 mod prepared_case;
 mod recorded_response;
 mod ring_down;
@@ -88,6 +90,7 @@ pub use assembly::ModalModel;
 pub use batch::Batch;
 pub use decimation::Decimation;
 pub use many_contacts::{ContactsResponse, ContactsState, MOST_CONTACTS, ManyContacts};
+pub use periodic_start::PeriodicMotion;
 pub use sensitivity::{ContactMeasures, ParameterVariation, Sensitivity, StepHistory};
 pub use step_size::COARSE_RESIDUAL;
 pub use transient_case::{CaseResponse, TransientCase};

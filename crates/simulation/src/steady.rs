@@ -3,6 +3,7 @@
 mod bodies;
 mod check;
 mod motion;
+mod own_state;
 mod settled;
 mod shaken;
 mod summary;
@@ -101,6 +102,8 @@ pub struct SteadyLevel {
     pub condensed: Option<Condensation>,
     /// A response by time integration, if requested.
     pub check: Option<TimeCheck>,
+    /// The largest stable response by time integration from its own state, where it loses contact.
+    pub from_own_state: Option<TimeCheck>,
     /// Ranges of frequency in which the branch has no stable response \[Hz\], those included that it does not reach.
     pub ranges_without_stable_hz: Vec<[f64; 2]>,
     /// Motions by time integration at frequencies in these ranges.
@@ -365,6 +368,10 @@ fn level<S: Shaken>(
         Some(peak) if request.verify => Some(S::time_check(assembly, peak)?),
         _ => None,
     };
+    let stable = outcome.as_ref().ok().and_then(Branch::highest_stable);
+    let from_own_state = stable
+        .filter(|response| response.contact_lost())
+        .and_then(|response| S::from_own_state(assembly, response, condensed.as_ref()));
     let ranges = |branch: &Branch| branch.ranges_without_stable(request.from_hz, request.to_hz);
     let ranges_without_stable_hz = outcome.as_ref().map_or_else(|_| Vec::new(), ranges);
     let motions = S::motions(assembly, force_n, &ranges_without_stable_hz);
@@ -375,6 +382,7 @@ fn level<S: Shaken>(
         outcome,
         condensed,
         check,
+        from_own_state,
         ranges_without_stable_hz,
         motions,
         stability_unknown: unknown.then_some(StabilityUnknown::FastMode),
@@ -387,7 +395,7 @@ fn level<S: Shaken>(
 }
 
 /// Warnings about the contacts whose pressures leave the measured range on a branch, about a largest response whose
-/// harmonics do not suffice, and about a response that time integration does not confirm.
+/// harmonics do not suffice, and about responses that time integration does not confirm or leaves.
 fn warnings(level: &SteadyLevel, contacts: &[PreloadedContact]) -> Vec<Warning> {
     let points = level.outcome.as_ref().map_or(&[][..], |branch| &branch.points);
     let all: Vec<Vec<PressureRange>> = points.iter().map(|point| level.pressures(point)).collect();
@@ -404,7 +412,10 @@ fn warnings(level: &SteadyLevel, contacts: &[PreloadedContact]) -> Vec<Warning> 
         Warning::Unresolved { frequency_hz, harmonics, truncation }
     });
     let differs = level.check.as_ref().and_then(TimeCheck::warning);
-    contacts.iter().enumerate().filter_map(outside).chain(unresolved).chain(differs).collect()
+    let own = level.from_own_state.as_ref();
+    let left = own.and_then(|found| found.not_kept(level.condensed.is_some()));
+    let outside = contacts.iter().enumerate().filter_map(outside);
+    outside.chain(unresolved).chain(differs).chain(left).collect()
 }
 
 /// Phase resonance up to the largest force, and the damped mode up to the amplitude reached there.

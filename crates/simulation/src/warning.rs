@@ -43,6 +43,15 @@ pub enum Warning {
         /// Difference of the fundamentals over the integrated one.
         relative_difference: f64,
     },
+    /// The largest stable steady response is left by time integration from its own state.
+    NotKept {
+        /// Frequency \[Hz\].
+        frequency_hz: f64,
+        /// Difference of the fundamentals over the integrated one.
+        relative_difference: f64,
+        /// Largest relative distance of the integrated fundamental of a period from the mean over many.
+        scatter: f64,
+    },
     /// A steady response that is given as the peak leaves out harmonics that matter.
     Unresolved {
         /// Frequency \[Hz\].
@@ -88,6 +97,7 @@ impl Warning {
             Self::AccuracyNotReached { .. } => "accuracy_not_reached",
             Self::Sensitive { .. } => "sensitive",
             Self::IntegrationDiffers { .. } => "integration_differs",
+            Self::NotKept { .. } => "not_kept",
             Self::Unresolved { .. } => "unresolved",
         }
     }
@@ -126,6 +136,14 @@ impl fmt::Display for Warning {
                  branch is wrong there, or time integration settles on another motion; more \
                  harmonics, `bodies` elastic, or a stepped sine decide",
                 100.0 * relative_difference
+            ),
+            Self::NotKept { frequency_hz, relative_difference, scatter } => write!(
+                f,
+                "time integration from the largest stable response, at {frequency_hz:.3} Hz, does not keep it: the \
+                 fundamental is then {:.1} % off, and that of a period scatters by {:.1} %; this peak is not that of the \
+                 structure there, and a stepped sine (--sweep) shows what is",
+                100.0 * relative_difference,
+                100.0 * scatter
             ),
             Self::Unresolved { frequency_hz, harmonics, truncation } => write!(
                 f,

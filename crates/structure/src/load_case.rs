@@ -131,6 +131,14 @@ impl LoadCase {
         self.amplitude
     }
 
+    /// Frequency \[Hz\] of a load that is a sine over time; none for other loads.
+    pub fn frequency(&self) -> Option<f64> {
+        match (&self.function, self.order) {
+            (&TimeFunction::Harmonic { frequency }, Order::Value) => Some(frequency),
+            _ => None,
+        }
+    }
+
     /// Port that the load acts on; [`Port::Base`] for a motion of the base.
     pub fn port(&self) -> Port {
         self.port

@@ -7,6 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::decimation::Decimation;
 use super::energy::ledger;
+use super::lane_start::LaneStart;
 use super::load_steps::LoadShapes;
 use super::prepared_case::PreparedCase;
 use super::ring_down;
@@ -378,6 +379,17 @@ impl Attempt {
         Self { lane: PreparedCase { start, tail, ..self.lane }, midway: Some(midway), ..self }
     }
 
+    /// The attempt from a state that is found with its steps and tables.
+    pub(super) fn from(self, state: impl FnOnce(&PreparedCase) -> LaneStart) -> Self {
+        let start = Some(Arc::new(state(&self.lane)));
+        Self { lane: PreparedCase { start, tail: None, ..self.lane }, ..self }
+    }
+
+    /// The case as it is integrated.
+    pub(super) fn lane(&self) -> &PreparedCase {
+        &self.lane
+    }
+
     /// True for an outcome that has reached the end with finite numbers.
     pub(super) fn is_whole(&self, outcome: &Outcome) -> bool {
         outcome.end == RunEnd::Done && not_finite(&self.lane, outcome).is_none()
@@ -406,7 +418,8 @@ impl Attempt {
         (!opens && is_balanced).then_some(joined)
     }
 
-    fn record(&self, outcome: Outcome) -> CaseResponse {
+    /// The response of an outcome that is accepted.
+    pub(super) fn record(&self, outcome: Outcome) -> CaseResponse {
         let step = self.lane.tabulated.step_model.step;
         CaseResponse {
             step,

@@ -26,6 +26,8 @@ pub(super) struct LaneStart {
     pub(super) load_port: f64,
     /// Output at every step so far, the one at rest first \[m\].
     pub(super) readings: Vec<f64>,
+    /// Energy stored at the start, where the balance begins there \[J\]; zero where it has begun before.
+    pub(super) stored: f64,
 }
 
 /// One mode in the form in which the kernel steps it.

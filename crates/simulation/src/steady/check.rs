@@ -16,15 +16,16 @@ const AWAY: f64 = 0.01;
 /// cells.
 const HALVINGS: usize = 4;
 
-/// A fundamental from rest by finite differences, beside that of the branch.
+/// A fundamental by time integration, beside that of the branch.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TimeCheck {
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
     /// Amplitude of the fundamental of the first sensor, of the branch \[m\].
     pub amplitude_1_m: f64,
-    /// The same by time integration \[m\]: extrapolated from two steps to zero where the motion is
-    /// periodic, else the mean over many periods at the shorter step.
+    /// The same by time integration \[m\]: from rest by finite differences, extrapolated from two steps to zero where
+    /// the motion is periodic, else the mean over many periods at the shorter step; from the state of the response by
+    /// modal steps, the mean over many periods.
     pub integrated_1_m: f64,
     /// Difference over the integrated amplitude.
     pub relative_difference: f64,
@@ -40,6 +41,9 @@ pub struct TimeCheck {
 /// is not periodic.
 const AGREES: f64 = 0.01;
 
+/// The same of a periodic motion that begins in the response itself.
+const KEPT: f64 = 0.005;
+
 impl TimeCheck {
     /// The warning about a branch that differs from the integration; none while the motion still changes.
     pub(super) fn warning(&self) -> Option<Warning> {
@@ -52,6 +56,18 @@ impl TimeCheck {
         // A difference that is no number is no agreement.
         let agrees = relative_difference <= allowed;
         (!agrees).then_some(Warning::IntegrationDiffers { frequency_hz, relative_difference })
+    }
+
+    /// The warning about a response that time integration from its own state leaves; light bodies that the branch
+    /// leaves out may rattle.
+    pub(super) fn not_kept(&self, is_condensed: bool) -> Option<Warning> {
+        let Self { frequency_hz, relative_difference, scatter, .. } = *self;
+        let kept = match self.motion {
+            SteadyMotion::NotSettled => return None,
+            SteadyMotion::Periodic => relative_difference <= KEPT,
+            _ => is_condensed && relative_difference <= AGREES + 2.0 * scatter,
+        };
+        (!kept).then_some(Warning::NotKept { frequency_hz, relative_difference, scatter })
     }
 
     /// The highest stable response at a frequency that the branch meets only once, its peak unless

@@ -73,13 +73,27 @@ fn spread(ranges: &[[f64; 2]]) -> Vec<f64> {
     (0..FREQUENCIES).filter_map(place).collect()
 }
 
-/// The motion at one frequency \[Hz\], in steps of this share of the first step for a single hit. The time is
-/// doubled while the fundamental changes, up to 5e6 steps or until the motion counts as not periodic.
+/// The motion at one frequency \[Hz\] from rest, in steps of this share of the first step for a single hit.
 fn motion(
     assembly: &Assembly,
     force: f64,
     frequency: f64,
     share: f64,
+) -> Result<IntegratedMotion, DynamicsError> {
+    let every_step = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });
+    motion_by(assembly, (force, frequency), share, |case| {
+        let cases = std::slice::from_ref(case);
+        Batch::default().run(cases, &|_, _| Arc::clone(&every_step)).swap_remove(0)
+    })
+}
+
+/// The motion under a force of this amplitude \[N\] and frequency \[Hz\] as `run` integrates it. The time is
+/// doubled while the fundamental changes, up to 5e6 steps or until the motion counts as not periodic.
+pub(super) fn motion_by(
+    assembly: &Assembly,
+    (force, frequency): (f64, f64),
+    share: f64,
+    run: impl Fn(&TransientCase) -> Result<CaseResponse, DynamicsError>,
 ) -> Result<IntegratedMotion, DynamicsError> {
     let mut periods = first_periods(assembly, frequency);
     let shaker = LoadCase::force(TimeFunction::Harmonic { frequency }, force);
@@ -89,18 +103,15 @@ fn motion(
     let template = Modal::default().case(&assembly.structure, &shaker, sensor, &sampling)?;
     let (step, _) = template.first_step()?;
     let steps = (1.0 / (frequency * share * step)).ceil();
-    let every_step = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });
-    let run = |periods: f64| -> Result<CaseResponse, DynamicsError> {
+    let over = |periods: f64| {
         let (duration, step) = (periods / frequency, Some(1.0 / (frequency * steps)));
-        let case = TransientCase { duration, step, ..template.clone() };
-        let mut found = Batch::default().run(&[case], &|_, _| Arc::clone(&every_step));
-        found.swap_remove(0)
+        run(&TransientCase { duration, step, ..template.clone() })
     };
-    let mut before = run(periods)?;
+    let mut before = over(periods)?;
     let (mut scatter, mut stalled) = (f64::INFINITY, 0);
     loop {
         let last = 2.0 * periods * steps > MOST_STEPS;
-        let response = if last { before.clone() } else { run(2.0 * periods)? };
+        let response = if last { before.clone() } else { over(2.0 * periods)? };
         let whole = response.displacement.len() / steps as usize;
         let samples = &response.displacement[..whole * steps as usize];
         let found = Fundamentals::of(samples, steps as usize);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use asperity_harmonic::{ContactSystem, LawEvaluation, PeriodicResponse};
 use asperity_structure::PreloadedStructure;
 
-use super::bodies::{BodyModel, LightBodies};
+use super::bodies::{BodyModel, Condensation, LightBodies};
 use super::check::TimeCheck;
 use super::motion::{IntegratedMotion, motions};
 use super::time_sweep::{TimeSweep, TimeSweepRequest, time_sweeps};
@@ -53,6 +53,15 @@ pub trait Shaken: Interfaces + Sync + Sized {
         assembly: &Assembly<Self>,
         response: &PeriodicResponse,
     ) -> Result<TimeCheck, SimulationError>;
+
+    /// A response of a branch by time integration from its own state; not integrated by default.
+    fn from_own_state(
+        _assembly: &Assembly<Self>,
+        _response: &PeriodicResponse,
+        _condensed: Option<&Condensation>,
+    ) -> Option<TimeCheck> {
+        None
+    }
 
     /// Motions by time integration under a force of this amplitude \[N\] in some ranges of frequency \[Hz\]; not
     /// looked for by default.
@@ -103,6 +112,14 @@ impl Shaken for PreloadedStructure {
         response: &PeriodicResponse,
     ) -> Result<TimeCheck, SimulationError> {
         Ok(TimeCheck::of(assembly, response)?)
+    }
+
+    fn from_own_state(
+        assembly: &Assembly,
+        response: &PeriodicResponse,
+        condensed: Option<&Condensation>,
+    ) -> Option<TimeCheck> {
+        TimeCheck::from_own_state(assembly, response, condensed)
     }
 
     fn motions(assembly: &Assembly, amplitude: f64, ranges: &[[f64; 2]]) -> Vec<IntegratedMotion> {

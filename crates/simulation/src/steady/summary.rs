@@ -129,6 +129,8 @@ pub struct BranchSummary {
     pub stable_peak_frequency_hz: Option<f64>,
     /// Fundamental of the displacement at the first sensor there \[m\].
     pub stable_peak_amplitude_1_m: Option<f64>,
+    /// That response by time integration from its own state, where it loses contact.
+    pub stable_peak_integrated: Option<TimeCheck>,
     /// Ranges of frequency in which the branch has no stable response \[Hz\].
     pub ranges_without_stable_hz: Vec<[f64; 2]>,
     /// Motions by time integration at frequencies in these ranges.
@@ -335,6 +337,7 @@ impl LevelSummary {
             }),
             stable_peak_frequency_hz: stable.map(PeriodicResponse::frequency_hz),
             stable_peak_amplitude_1_m: stable.map(|peak| amplitude(peak, 1)),
+            stable_peak_integrated: level.from_own_state,
             ranges_without_stable_hz: level.ranges_without_stable_hz.clone(),
             motions: level.motions.clone(),
             contact_lost: branch.points.iter().any(PeriodicResponse::contact_lost),

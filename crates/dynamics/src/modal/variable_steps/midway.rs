@@ -116,6 +116,7 @@ impl Watch {
             stiffness: run.stiffness_now(),
             load_port: run.load_port[0],
             readings,
+            stored: 0.0,
         };
         Midway {
             start: Arc::new(start),
