@@ -88,8 +88,16 @@ pub struct Branch {
     pub finer: Option<UnfinishedBranch>,
 }
 
-/// Share of a range of frequency below which a part without a stable response is left out.
+/// Share of a range of frequency below which a part with or without stable responses is left out.
 const NARROW: f64 = 1e-3;
+
+/// Width of the range of frequency of some points \[Hz\].
+fn width(points: &[PeriodicResponse]) -> f64 {
+    let all = points.iter().map(PeriodicResponse::frequency_hz);
+    let (low, high) =
+        all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), f| (low.min(f), high.max(f)));
+    high - low
+}
 
 /// A branch that did not cover its range.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,11 +122,29 @@ impl Branch {
     }
 
     /// The stable response with the largest fundamental of the load's port, peaks included, of those with a truncation
-    /// of at most 2e-3; none where stability is not known.
+    /// of at most 2e-3; none where stability is not known. Responses at bifurcations, and stable parts of the branch
+    /// below a thousandth of its range of frequency, are left out: no structure is found there.
     pub fn highest_stable(&self) -> Option<&PeriodicResponse> {
-        let all = self.special.iter().map(|special| &special.response).chain(&self.points);
-        let stable = all.filter(|one| one.stable() == Some(true) && one.is_resolved());
-        stable.max_by(|a, b| a.amplitude(1).total_cmp(&b.amplitude(1)))
+        let is_stable = |one: &PeriodicResponse| one.stable() == Some(true) && one.is_resolved();
+        let (peaks, bifurcations): (Vec<_>, Vec<_>) =
+            self.special.iter().partition(|special| special.kind == SpecialPointKind::Peak);
+        // Parts of the branch between bifurcations, each stable or not throughout.
+        let numbers: Vec<usize> = (0..self.points.len()).collect();
+        let parts = numbers.chunk_by(|&n, &next| {
+            is_stable(&self.points[n]) == is_stable(&self.points[next])
+                && !bifurcations.iter().any(|special| special.after == n)
+        });
+        let narrow = NARROW * width(&self.points);
+        let wide = parts.filter_map(|part| {
+            let range = part[0]..part[part.len() - 1];
+            let points = &self.points[range.start..=range.end];
+            (is_stable(&points[0]) && width(points) >= narrow).then_some((range, points))
+        });
+        let all = wide.flat_map(|(range, points)| {
+            let inside = peaks.iter().filter(move |peak| range.contains(&peak.after));
+            points.iter().chain(inside.map(|peak| &peak.response).filter(|one| is_stable(one)))
+        });
+        all.max_by(|a, b| a.amplitude(1).total_cmp(&b.amplitude(1)))
     }
 
     /// The ranges of frequency \[Hz\] between `from` and `to` in which the branch has no stable response, in rising
@@ -166,5 +192,71 @@ impl Branch {
     /// True if the branch covers the whole range.
     pub fn is_complete(&self) -> bool {
         self.termination == Termination::Reached
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use num_complex::Complex64;
+
+    use super::*;
+
+    fn response(frequency_hz: f64, amplitude: f64, multiplier: f64) -> PeriodicResponse {
+        PeriodicResponse {
+            angular_frequency: TAU * frequency_hz,
+            force: 1.0,
+            anti_damping: 0.0,
+            mean_displacement: 0.0,
+            displacement: vec![Complex64::new(amplitude, 0.0)],
+            sensors: Vec::new(),
+            closures: vec![0.0; 3],
+            pressures: Vec::new(),
+            truncation: 0.0,
+            modal_mass: 1.0,
+            iterations: 0,
+            multipliers: Some(vec![Complex64::new(multiplier, 0.0)]),
+        }
+    }
+
+    /// A stable part of 2e-4 of the range and the bifurcation at its end are left out, though they are higher; a peak
+    /// between two points of a wide part is not.
+    #[test]
+    fn the_highest_stable_response_is_not_at_a_bifurcation() {
+        let rows = [
+            (100.0, 1.0, 0.5),
+            (110.0, 2.0, 0.5),
+            (120.0, 3.0, 0.5),
+            (130.0, 2.5, 0.5),
+            (130.0, 4.0, 1.5),
+            (120.0, 6.0, 1.5),
+            (119.99, 7.0, 0.9),
+            (119.985, 7.5, 0.9),
+            (150.0, 8.0, 1.5),
+        ];
+        let special = |kind, after, response| SpecialPoint { kind, after, response };
+        let mut branch = Branch {
+            points: rows.map(|(f, u, multiplier)| response(f, u, multiplier)).to_vec(),
+            special: vec![
+                special(SpecialPointKind::Peak, 2, response(122.0, 3.2, 0.5)),
+                special(SpecialPointKind::Fold, 3, response(131.0, 3.9, 1.0)),
+                special(SpecialPointKind::NeimarkSacker, 7, response(119.98, 7.9, 1.0)),
+            ],
+            termination: Termination::Reached,
+            harmonics: 1,
+            samples: 8,
+            finer: None,
+        };
+        assert_eq!(branch.highest_stable().map(|one| one.amplitude(1)), Some(3.2));
+        // A pair of bifurcations between two stable points: neither part alone is wide beyond it.
+        branch.special.push(special(
+            SpecialPointKind::PeriodDoubling,
+            1,
+            response(115.0, 2.4, 1.0),
+        ));
+        assert_eq!(branch.highest_stable().map(|one| one.amplitude(1)), Some(3.2));
+        branch.points.iter_mut().for_each(|point| point.truncation = 1.0);
+        assert_eq!(branch.highest_stable(), None);
     }
 }

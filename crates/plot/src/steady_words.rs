@@ -20,7 +20,9 @@ pub fn branches(summary: &SteadySummary) -> String {
         let _ = writeln!(text, "{value:>10} {unit}   {}", peak(branch));
         let further = advice(branch).map(str::to_owned).into_iter();
         let further = further.chain([remarks(branch).join("; ")]);
-        for line in further.chain(branch.verify.map(|found| check(&found))) {
+        let checks = [branch.stable_peak_integrated.map(|found| from_own_state(&found))];
+        let checks = checks.into_iter().flatten().chain(branch.verify.map(|found| check(&found)));
+        for line in further.chain(checks) {
             let _ = writeln!(text, "{:14} {line}", "");
         }
     }
@@ -128,6 +130,27 @@ pub fn check(check: &TimeCheck) -> String {
             "at {hz:.3} Hz differs from time integration, which has not settled, by {difference:.1e}"
         ),
     }
+}
+
+/// The largest stable response by time integration from its own state.
+pub fn from_own_state(check: &TimeCheck) -> String {
+    let TimeCheck { frequency_hz, integrated_1_m, relative_difference, scatter, .. } = check;
+    let becomes = match check.motion {
+        SteadyMotion::Apart => {
+            return format!(
+                "the largest stable response, at {frequency_hz:.3} Hz, ends in time integration from it with the bodies apart"
+            );
+        }
+        SteadyMotion::Periodic => "a periodic motion",
+        SteadyMotion::Subharmonic => "a motion of several periods",
+        SteadyMotion::NonPeriodic => "a motion without a period",
+        SteadyMotion::NotSettled => "a motion that still changes",
+        _ => "another motion",
+    };
+    format!(
+        "the largest stable response, at {frequency_hz:.3} Hz, in time integration from it: {becomes}, u1 \
+         {integrated_1_m:.5e} m, {relative_difference:.1e} off, scatter {scatter:.1e}"
+    )
 }
 
 /// A motion by time integration from rest.

@@ -25,6 +25,7 @@ mod modal_responses;
 mod modal_structures;
 mod modal_waves;
 mod paper_rig;
+mod periodic_start;
 mod ports;
 mod rest;
 mod scaling;

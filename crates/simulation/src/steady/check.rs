@@ -41,7 +41,7 @@ pub struct TimeCheck {
 /// is not periodic.
 const AGREES: f64 = 0.01;
 
-/// The same of a periodic motion that begins in the response itself.
+/// Difference and scatter of the fundamental up to which a motion that begins in a response stays there.
 const KEPT: f64 = 0.005;
 
 impl TimeCheck {
@@ -58,14 +58,15 @@ impl TimeCheck {
         (!agrees).then_some(Warning::IntegrationDiffers { frequency_hz, relative_difference })
     }
 
-    /// The warning about a response that time integration from its own state leaves; light bodies that the branch
-    /// leaves out may rattle.
+    /// The warning about a response that time integration from its own state leaves; none while the motion still
+    /// changes. Light bodies that a condensed branch leaves out may rattle.
     pub(super) fn not_kept(&self, is_condensed: bool) -> Option<Warning> {
         let Self { frequency_hz, relative_difference, scatter, .. } = *self;
         let kept = match self.motion {
             SteadyMotion::NotSettled => return None,
-            SteadyMotion::Periodic => relative_difference <= KEPT,
-            _ => is_condensed && relative_difference <= AGREES + 2.0 * scatter,
+            SteadyMotion::Apart => false,
+            _ if is_condensed => relative_difference <= AGREES + 2.0 * scatter,
+            _ => relative_difference.max(scatter) <= KEPT,
         };
         (!kept).then_some(Warning::NotKept { frequency_hz, relative_difference, scatter })
     }

@@ -273,3 +273,94 @@ fn a_branch_that_time_integration_does_not_confirm_has_a_warning() {
     assert!((relative_difference - off).abs() < 5e-3, "{relative_difference} {off}");
     assert!(relative_difference > 0.02);
 }
+
+/// A stack of bars on contacts: length \[m\], mass \[kg\] and Young's modulus \[Pa\]; area \[m2\], and coefficient
+/// and exponent of a power law, or stiffness \[Pa/m\] of a contact that only pushes.
+fn stack(bodies: &[(f64, f64, f64)], faces: &[(f64, f64, Option<f64>)], ratio: f64) -> Assembly {
+    let body = |(n, &(length_m, mass_kg, youngs)): (usize, &(f64, f64, f64))| {
+        serde_json::json!({"name": format!("bar {n}"), "length_m": length_m, "mass_kg": mass_kg,
+            "youngs_modulus_pa": youngs, "density_kg_per_m3": 7850})
+    };
+    let face = |(n, &(area_m2, number, exponent)): (usize, &(f64, f64, Option<f64>))| {
+        let law = match exponent {
+            Some(exponent) => {
+                serde_json::json!({"kind": "power", "coefficient": number, "exponent": exponent})
+            }
+            None => serde_json::json!({"kind": "constant", "stiffness_pa_per_m": number,
+                "unilateral": true}),
+        };
+        serde_json::json!({"name": format!("face {n}"), "area_m2": area_m2, "law": law})
+    };
+    let scenario = serde_json::json!({
+        "schema": "asperity/scenario/1",
+        "bodies": bodies.iter().enumerate().map(body).collect::<Vec<_>>(),
+        "interfaces": faces.iter().enumerate().map(face).collect::<Vec<_>>(),
+        "damping": {"kind": "mass_proportional", "ratio": ratio},
+        "duration_s": 0.1
+    });
+    let document = Document::parse(&scenario.to_string(), "stack.json").unwrap();
+    Assembly::new(&document.scenario().unwrap(), document.folder()).unwrap()
+}
+
+/// The largest stable response of stacks that lose contact is kept by time integration from its own state: two methods
+/// that share the modes alone.
+#[test]
+fn the_largest_stable_response_is_kept_by_time_integration() {
+    let one = |area, number, exponent| vec![(area, number, exponent)];
+    for (bodies, faces, ratio, force) in [
+        (vec![(0.0359, 0.5395, 2e11)], one(1.603e-4, 1.43e13, None), 0.0237, 0.512),
+        (vec![(0.0185, 0.2806, 7.1e10)], one(5.819e-4, 6.39e9, Some(0.5547)), 0.0378, 0.577),
+        (vec![(0.149, 1.336, 7.1e10)], one(2.431e-4, 3.16e9, Some(0.511)), 0.0315, 1.708),
+        (
+            vec![(0.0172, 0.05723, 7.1e10), (0.1949, 1.842, 2e11), (0.1554, 5.829, 2e11)],
+            vec![
+                (1.026e-4, 3.0743e9, Some(0.38476)),
+                (1.356e-4, 5.4616e9, Some(0.48415)),
+                (6.151e-4, 1.0813e13, None),
+            ],
+            0.0323,
+            0.1027,
+        ),
+        (
+            vec![(0.1315, 0.2422, 2e11), (0.0237, 0.2256, 7.1e10)],
+            vec![(2.358e-4, 1.399e10, Some(0.33562)), (1.17e-4, 1.9098e9, Some(0.31375))],
+            0.0201,
+            0.6517,
+        ),
+    ] {
+        let assembly = stack(&bodies, &faces, ratio);
+        let natural = assembly.structure.natural_frequency().unwrap();
+        let (from_hz, to_hz) = (0.25 * natural, 1.5 * natural);
+        let request = SteadyRequest { from_hz, to_hz, ..request(force, BodyModel::Elastic) };
+        let found = steady(&assembly, &request).unwrap();
+        let level = &found.levels[0];
+        let kept = level.from_own_state.unwrap();
+        assert_eq!(kept.motion, SteadyMotion::Periodic, "{bodies:?}: {kept:?}");
+        assert!(kept.relative_difference < 2e-3 && kept.settled, "{bodies:?}: {kept:?}");
+        let left = |one: &&Warning| matches!(one, Warning::NotKept { .. });
+        assert_eq!(level.warnings.iter().find(left), None, "{bodies:?}");
+    }
+}
+
+/// Thirty harmonics call a response stable that sixty call unstable: time integration from it scatters, and the
+/// answer says so.
+#[test]
+fn a_response_that_time_integration_leaves_has_a_warning() {
+    let faces = [(3.956e-4, 8.5542e12, None), (1.024e-4, 1.7907e10, Some(0.4127))];
+    let assembly = stack(&[(0.0436, 0.3576, 2e11), (0.1226, 0.2105, 7.1e10)], &faces, 0.02399);
+    let level = |harmonics: usize| {
+        let range =
+            SteadyRequest { from_hz: 1921.8, to_hz: 1919.8, ..request(0.6374, BodyModel::Elastic) };
+        let request = SteadyRequest { harmonics: Some(harmonics), ..range };
+        steady(&assembly, &request).unwrap().levels.remove(0)
+    };
+    let few = level(30);
+    let own = few.from_own_state.unwrap();
+    assert_eq!(own.motion, SteadyMotion::NonPeriodic, "{own:?}");
+    assert!(own.scatter > 0.01 && own.relative_difference < 0.01, "{own:?}");
+    assert!(few.warnings.iter().any(|one| one.kind() == "not_kept"), "{:?}", few.warnings);
+    assert_eq!(few.outcome.unwrap().highest_stable().unwrap().frequency_hz(), own.frequency_hz);
+    let many = level(60);
+    assert_eq!(many.outcome.unwrap().highest_stable(), None);
+    assert_eq!(many.from_own_state, None);
+}
