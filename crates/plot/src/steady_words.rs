@@ -111,7 +111,13 @@ fn condensed(branch: &BranchSummary) -> Option<String> {
         }
         _ => String::new(),
     };
-    Some(format!("inertia left out: {}{reason}", bodies.join(", ")))
+    let share: f64 = branch.condensed_bodies.iter().map(|body| body.inertia_share).sum();
+    let moved = if share > 0.0 {
+        format!(", which moves frequencies by up to {:.1e}", 0.5 * share)
+    } else {
+        String::new()
+    };
+    Some(format!("inertia left out: {}{moved}{reason}", bodies.join(", ")))
 }
 
 /// The comparison with time integration.

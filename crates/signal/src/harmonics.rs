@@ -37,7 +37,8 @@ pub struct HarmonicOptions {
     ///
     /// A record that has not decayed ends in a step `x_end`, whose transform
     /// adds ripples of amplitude `x_end / (2 pi f)`, times up to 1.8 above 1.5
-    /// times the fundamental, and of spacing `1 / T`.
+    /// times the fundamental, and of spacing `1 / T`. Beside a higher maximum that the force is too weak
+    /// for they are taken to be larger, `max(f, f0) f / |f0^2 - f^2|` times.
     /// The default 4 just exceeds their height from trough to crest.
     /// A record that has decayed is not affected.
     pub leakage_margin: f64,
@@ -177,6 +178,20 @@ pub(crate) fn peaks_within(
     maxima.into_iter().filter_map(peak).collect()
 }
 
+/// Ripples of a record that ends in an oscillation of frequency f0, over those far above it, where they are
+/// `x_end / w`; the margin covers 1.8 of it:
+///
+/// ```text
+/// x_end max(w, w0) / |w0^2 - w^2|
+/// ```
+fn leakage_beside(oscillation_hz: f64, frequency_hz: f64) -> f64 {
+    let (f0, f) = (oscillation_hz, frequency_hz);
+    f.max(f0) * f / ((f0 * f0 - f * f).abs() * COVERED)
+}
+
+/// What the leakage margin covers of that ratio.
+const COVERED: f64 = 1.8;
+
 /// The search in the receptance on a grid over both windows.
 struct HarmonicSearch<'a, R> {
     response: &'a R,
@@ -237,8 +252,10 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         let magnitude = value.norm();
         let ripple = self.response.ripple(frequency_hz, period);
         let height = magnitude - saddle;
+        let beside = masked.iter().map(|&stronger| leakage_beside(stronger, frequency_hz));
+        let leakage = ripple.leakage * beside.fold(1.0, f64::max);
         let is_prominent = height >= self.options.minimum_prominence * magnitude
-            && height >= self.options.leakage_margin * ripple.leakage
+            && height >= self.options.leakage_margin * leakage
             && height >= ripple.rounding;
         is_prominent.then_some(Peak {
             frequency_hz,

@@ -20,10 +20,11 @@ use asperity_mesh::{Body, Port};
 use asperity_scenario::{Document, Scenario, SensorKind};
 use asperity_simulation::assemble::{Assembly, Sensor};
 use asperity_simulation::steady::{
-    BodyModel, SettledAmplitude, Steady, SteadyRequest, TimeCheck, first_periods, steady,
+    BodyModel, SettledAmplitude, Steady, SteadyLevel, SteadyMotion, SteadyRequest, TimeCheck,
+    first_periods, steady,
 };
-use asperity_structure::PreloadedStructure;
-use asperity_structure::{LoadCase, TimeFunction};
+use asperity_simulation::warning::Warning;
+use asperity_structure::{LoadCase, PreloadedStructure, TimeFunction};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -243,6 +244,7 @@ fn large_force(of: &'static str, assembly: &Assembly, natural: f64, force: f64) 
         Ok(found) => found,
         Err(error) => return without(Class::Refused, error),
     };
+    let level = &found.levels[0];
     let (points, truncation) = (branch.points.len(), branch.truncation());
     let state = format!(
         "{force:.3e} N, {points} points, {:?}, {} harmonics, truncation {truncation:.1e}{}",
@@ -255,7 +257,7 @@ fn large_force(of: &'static str, assembly: &Assembly, natural: f64, force: f64) 
         }
     );
     let Some(check) = check else {
-        return by_modes(of, assembly, branch, force, &state);
+        return by_modes(of, assembly, (level, branch), &state);
     };
     let TimeCheck {
         frequency_hz, amplitude_1_m, integrated_1_m, relative_difference, settled, ..
@@ -264,8 +266,13 @@ fn large_force(of: &'static str, assembly: &Assembly, natural: f64, force: f64) 
     if !settled {
         return without(Class::NamedUndecided, format!("{remark}; integration has not settled"));
     }
-    if relative_difference <= AMPLITUDE {
-        return SteadyJudgement::new(of, relative_difference, AMPLITUDE, remark);
+    if relative_difference <= AMPLITUDE || may_be_shifted(level, branch, &check) {
+        return SteadyJudgement {
+            of,
+            class: Class::Right,
+            error: Some(relative_difference),
+            remark,
+        };
     }
     let named = truncation > TRUNCATION;
     let integrated = modal_amplitude(assembly, force, frequency_hz);
@@ -281,30 +288,70 @@ fn large_force(of: &'static str, assembly: &Assembly, natural: f64, force: f64) 
     SteadyJudgement { of, class, error: Some(relative_difference), remark }
 }
 
-/// The highest response of a branch against a modal integration from rest, which may settle on
-/// another response where several exist.
+/// True if the integrated amplitude is that of the branch where the inertia left out may move its frequency to: by half
+/// of its share of the kinetic energy, as the branch says.
+fn may_be_shifted(level: &SteadyLevel, branch: &Branch, check: &TimeCheck) -> bool {
+    let Some(condensed) = &level.condensed else { return false };
+    let share: f64 = condensed.light.bodies().iter().map(|body| body.inertia_share).sum();
+    let (low, high) =
+        ((1.0 - 0.5 * share) * check.frequency_hz, (1.0 + 0.5 * share) * check.frequency_hz);
+    let amplitudes = branch.points.windows(2).flat_map(|pair| {
+        let [a, b] = [0, 1].map(|n| (pair[n].frequency_hz(), pair[n].at_sensor(0, 1).norm()));
+        let at = move |frequency: f64| {
+            let part = (frequency - a.0) / (b.0 - a.0);
+            (0.0..=1.0).contains(&part).then_some(a.1 + part * (b.1 - a.1))
+        };
+        let inside = (low..=high).contains(&a.0).then_some(a.1);
+        [at(low), at(high), inside].into_iter().flatten()
+    });
+    let (least, most) = amplitudes.fold((f64::INFINITY, 0.0_f64), |(least, most), amplitude| {
+        (least.min(amplitude), most.max(amplitude))
+    });
+    ((1.0 - AMPLITUDE) * least..=(1.0 + AMPLITUDE) * most).contains(&check.integrated_1_m)
+}
+
+/// The largest stable response of a branch that loses contact against time integration from its own state; of one that
+/// keeps it, the highest response against a modal integration from rest, which may settle on another response where
+/// several exist. A branch without a stable response says so.
 fn by_modes(
     of: &'static str,
     assembly: &Assembly,
-    branch: &Branch,
-    force: f64,
+    (level, branch): (&SteadyLevel, &Branch),
     state: &str,
 ) -> SteadyJudgement {
-    let undecided = |remark| {
-        SteadyJudgement::without(of, Class::SilentlyUndecided, format!("{remark}; {state}"))
-    };
+    let without =
+        |class, remark: String| SteadyJudgement::without(of, class, format!("{remark}; {state}"));
+    if let Some(own) = &level.from_own_state {
+        let left = level.warnings.iter().any(|one| matches!(one, Warning::NotKept { .. }));
+        let remark = format!(
+            "at {:.3} Hz {:.4e} m, {:?} from its own state",
+            own.frequency_hz, own.amplitude_1_m, own.motion
+        );
+        let settles = own.motion != SteadyMotion::NotSettled;
+        return match (left, own.relative_difference <= AMPLITUDE) {
+            (true, _) => without(Class::NamedWrong, remark),
+            (false, true) if settles => {
+                let remark = format!("{remark}; {state}");
+                SteadyJudgement::new(of, own.relative_difference, AMPLITUDE, remark)
+            }
+            _ => without(Class::SilentlyUndecided, remark),
+        };
+    }
     let Some(peak) = branch.highest().filter(|peak| peak.stable() == Some(true)) else {
-        return undecided("no stable peak".to_owned());
+        return without(Class::NamedUndecided, "no stable peak".to_owned());
     };
     let (frequency, amplitude) = (peak.frequency_hz(), peak.at_sensor(0, 1).norm());
     let remark = format!("at {frequency:.3} Hz {amplitude:.4e} m");
-    match modal_amplitude(assembly, force, frequency) {
+    match modal_amplitude(assembly, level.force_n, frequency) {
         Some(integrated) if (amplitude / integrated - 1.0).abs() <= AMPLITUDE => {
             let error = (amplitude / integrated - 1.0).abs();
             SteadyJudgement::new(of, error, AMPLITUDE, format!("{remark}; {state}"))
         }
-        Some(integrated) => undecided(format!("{remark}, by modes {integrated:.4e} m")),
-        None => undecided(format!("{remark}, not integrated")),
+        Some(integrated) => {
+            let remark = format!("{remark}, by modes {integrated:.4e} m");
+            without(Class::SilentlyUndecided, remark)
+        }
+        None => without(Class::SilentlyUndecided, format!("{remark}, not integrated")),
     }
 }
 

@@ -96,6 +96,41 @@ fn leakage_ripples_are_not_peaks() {
     assert!(mistaken > 10, "the ripples are there: {mistaken} of 20");
 }
 
+/// A half-sine of 9.1 ms hardly excites an oscillator at 170.7 Hz, beside its zero at 165 Hz, and the record ends while
+/// that rings: its ripples below the masked resonance are no fundamental, whatever the length of the record.
+#[test]
+fn ripples_beside_a_masked_resonance_are_no_fundamental() {
+    let (rate, natural, damping, pulse) = (2e4, 170.69, 0.0063, 9.092e-3);
+    let omega = TAU * natural;
+    let careless = HarmonicOptions { leakage_margin: 0.0, ..HarmonicOptions::default() };
+    let mut mistaken = 0;
+    for count in (6000..10_000).step_by(100) {
+        let force = |n: usize| {
+            let part = n as f64 / rate / pulse;
+            if part < 1.0 { (PI * part).sin() } else { 0.0 }
+        };
+        // Exact steps under a force that is constant within each.
+        let (decay, turned) =
+            ((-damping * omega / rate).exp(), omega * (1.0 - damping * damping).sqrt());
+        let (sine, cosine) = (turned / rate).sin_cos();
+        let (mut x, mut v, mut samples) = (0.0, 0.0, Vec::with_capacity(count));
+        for n in 0..count {
+            samples.push(x);
+            let rest = 0.5 * (force(n) + force(n + 1)) / (omega * omega);
+            let (from, rate) = (x - rest, (v + damping * omega * (x - rest)) / turned);
+            x = rest + decay * (from * cosine + rate * sine);
+            v = decay * turned * (rate * cosine - from * sine) - damping * omega * (x - rest);
+        }
+        let forces: Vec<f64> = (0..count).map(force).collect();
+        let hit = FrequencyResponse::from_displacement(&forces, &samples, rate).unwrap();
+        let found = find_harmonics(&hit, natural, &HarmonicOptions::default());
+        assert_eq!(found.fundamental, None, "{count} samples");
+        assert!(found.masked_hz.iter().any(|f| (f / natural - 1.0).abs() < 0.01), "{found:?}");
+        mistaken += usize::from(find_harmonics(&hit, natural, &careless).fundamental.is_some());
+    }
+    assert!(mistaken > 30, "the ripples are there: {mistaken} of 40");
+}
+
 /// Verified against a response equal to the force: `H = 1`, and every maximum is rounding,
 /// even without a minimum prominence.
 #[test]
