@@ -189,7 +189,7 @@ fn leakage_beside(oscillation_hz: f64, frequency_hz: f64) -> f64 {
     f.max(f0) * f / ((f0 * f0 - f * f).abs() * COVERED)
 }
 
-/// What the leakage margin covers of that ratio.
+/// Part of that ratio that the leakage margin covers.
 const COVERED: f64 = 1.8;
 
 /// The search in the receptance on a grid over both windows.

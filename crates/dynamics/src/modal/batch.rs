@@ -16,7 +16,9 @@ use super::simd::integrate::{BlockRun, Recording, room};
 use super::simd::outcome::{Outcome, RunEnd};
 use super::step_model::InterpolationChoice;
 use super::step_size::{MOST_HALVINGS, Resolution};
-use super::transient_case::{CaseResponse, TransientCase, first_table_exponents, pressure_at};
+use super::transient_case::{
+    CaseResponse, TransientCase, first_table_exponents, is_near_opening, pressure_at,
+};
 use super::variable_steps::{self, Ended, Midway};
 use crate::error::balanced;
 use crate::{ContactExtremes, DynamicsError, InstructionSet};
@@ -409,10 +411,12 @@ impl Attempt {
         self.joined(midway, outcome).map(|joined| Begun::Done(Box::new(joined)))
     }
 
-    /// The whole response of a case that went on at equal steps; none if these do not serve the case.
+    /// The whole response of a case that went on at equal steps; none if these do not serve the case: a contact came
+    /// near opening, or the energy balance is open.
     pub(super) fn joined(&self, midway: &Midway, outcome: Outcome) -> Option<CaseResponse> {
         let rest = self.record(outcome);
-        let opens = rest.contacts.iter().any(|contact| contact.lost > 0.0);
+        let mut contacts = self.lane.model.contacts().iter().zip(&rest.contacts);
+        let opens = contacts.any(|(contact, seen)| is_near_opening(contact, seen.pressure_min));
         let joined = midway.joined(rest);
         let is_balanced = !Resolution::too_coarse(joined.energy.residual_relative());
         (!opens && is_balanced).then_some(joined)

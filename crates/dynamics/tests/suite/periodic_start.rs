@@ -85,7 +85,7 @@ fn a_settled_motion_goes_on() {
     }
 }
 
-/// What has no state of this kind is refused by its quantity.
+/// Cases without such a state are refused by its quantity.
 #[test]
 fn other_motions_are_refused() {
     let power: Arc<dyn ContactLaw> = Arc::new(Power::new(1.81e10, 0.35, 0.0).unwrap());

@@ -20,7 +20,7 @@ class AccuracyWarning(AsperityWarning):
 
     The accuracy asked for was not reached (``accuracy_not_reached``), the energy balance does not close
     (``energy_balance``), the response depends on rounding (``sensitive``), or time integration gives
-    another steady response (``integration_differs``). The names are the kinds in ``summary["warnings"]``.
+    another steady response (``integration_differs``, ``not_kept``). The names are the kinds in ``summary["warnings"]``.
     """
 
 

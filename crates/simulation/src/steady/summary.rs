@@ -129,7 +129,7 @@ pub struct BranchSummary {
     pub stable_peak_frequency_hz: Option<f64>,
     /// Fundamental of the displacement at the first sensor there \[m\].
     pub stable_peak_amplitude_1_m: Option<f64>,
-    /// That response by time integration from its own state, where it loses contact.
+    /// The same response by time integration from its own state, where it loses contact.
     pub stable_peak_integrated: Option<TimeCheck>,
     /// Ranges of frequency in which the branch has no stable response \[Hz\].
     pub ranges_without_stable_hz: Vec<[f64; 2]>,

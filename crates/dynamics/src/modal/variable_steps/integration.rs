@@ -34,9 +34,6 @@ const SMALL_IF_BENT: f64 = 1.0 / 160.0;
 /// Traction over the static pressure that counts as the largest so far at rest.
 const LEAST_TRACTION: f64 = 1e-3;
 
-/// Loss of the pressure at rest, over all of it, from which on a contact is near opening.
-const NEAR_OPENING: f64 = 0.9;
-
 /// Energy of modes that ring, over the work of the load, that equal steps may leave out: their displacements are smaller than
 /// the amplitude of the response by its root times the ratio of the frequencies.
 const LEFT_ENERGY: f64 = 1e-5;
@@ -375,7 +372,7 @@ impl<'a, const N: usize> Integration<'a, N> {
             self.largest[i] = self.largest[i].max(self.rows.traction[i].abs());
         }
         for (contact, pressure) in self.contacts.iter().zip(&self.rows.pressure) {
-            if *pressure <= NEAR_OPENING * contact.least {
+            if contact.is_near_opening(*pressure) {
                 self.pressed = 0;
             }
         }
