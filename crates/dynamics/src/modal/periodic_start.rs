@@ -26,6 +26,9 @@ const STEPS_BEFORE: usize = NODES;
 /// Samples of a period for each harmonic of the pressures that is kept.
 const SAMPLES_A_HARMONIC: usize = 4;
 
+/// Fewest samples of a period.
+const FEWEST_SAMPLES: usize = 16;
+
 /// Departure of a period from a whole number of steps, in steps.
 const WHOLE: f64 = 1e-6;
 
@@ -51,8 +54,8 @@ impl Batch {
     ///
     /// # Errors
     /// As [`Modal::integrate`](super::Modal::integrate), and [`DynamicsError::Setting`] for a load without a
-    /// frequency, a step that is not given or does not divide the period, damped contacts, friction, and a motion
-    /// of another number of contacts.
+    /// frequency, a step that is not given or does not divide the period, a duration of five steps or less, damped
+    /// contacts, friction, a motion of another number of contacts, and fewer than 16 samples of it.
     pub fn run_from(
         &self,
         case: &TransientCase,
@@ -113,6 +116,11 @@ impl<'a> PeriodicState<'a> {
         if !((steps - steps.round()).abs() <= WHOLE && steps >= 1.0) {
             return refused("steps in the period of the motion", steps, "a whole number");
         }
+        let periods = case.duration * frequency;
+        let goes_on = periods * steps >= (STEPS_BEFORE + 1) as f64;
+        if !goes_on {
+            return refused("periods of the load in the duration", periods, "more than five steps");
+        }
         if model.is_dissipative() {
             let quantity = "damped contacts and friction in a periodic motion";
             return refused(quantity, 1.0, "none");
@@ -122,6 +130,11 @@ impl<'a> PeriodicState<'a> {
         if given != contacts || motion.pressures.len() != motion.mean_closures.len() {
             let quantity = "contacts of a periodic motion";
             return refused(quantity, given as f64, "those of the structure");
+        }
+        let samples = motion.pressures.iter().map(Vec::len).min().unwrap_or(0);
+        if samples < FEWEST_SAMPLES {
+            let quantity = "samples of the pressures over a period";
+            return refused(quantity, samples as f64, "at least 16");
         }
         let pressures: Vec<Vec<c64>> = motion.pressures.iter().map(|of| harmonics(of)).collect();
         let mut state = Self {

@@ -108,6 +108,10 @@ fn other_motions_are_refused() {
     }
     let two = PeriodicMotion { pressures: vec![vec![0.0; 64]; 2], mean_closures: vec![0.0; 2] };
     assert!(refused(&good, &two).contains("contacts"));
+    let few = PeriodicMotion { pressures: vec![vec![0.0; 15]], mean_closures: vec![0.0] };
+    assert!(refused(&good, &few).contains("samples"));
+    let short = TransientCase { duration: 5.0 * good.step.unwrap(), ..good.clone() };
+    assert!(refused(&short, &motion).contains("duration"));
     let damping = ContactDamping::kelvin_voigt(1e-6).unwrap();
     let contact = Interface::new("contact", AREA, power).unwrap().with_damping(damping);
     let stack =
