@@ -69,8 +69,6 @@ pub struct CondensedStack {
 struct CondensedInterface {
     /// The contact of the condensed stack.
     contact: usize,
-    /// True for the interface of a contact that is lost first.
-    lost_first: bool,
     /// The pressure of the interface from that of the contact.
     series: SeriesContact,
 }
@@ -183,12 +181,8 @@ impl CondensedStack {
             let own = condense(structure, first, last)?;
             let number = contacts.len();
             contacts.push(own.contact);
-            let parts = own.parts.into_iter().enumerate();
-            interfaces.extend(parts.map(|(place, series)| CondensedInterface {
-                contact: number,
-                lost_first: place == own.lost_first,
-                series,
-            }));
+            let parts = own.parts.into_iter();
+            interfaces.extend(parts.map(|series| CondensedInterface { contact: number, series }));
             first = last + 1;
         }
         let joints = contacts.iter().map(|contact| {
@@ -252,36 +246,12 @@ impl CondensedStack {
         };
         self.interfaces.iter().map(range).collect()
     }
-
-    /// Pressure increment \[Pa\] and closure increment \[m\] from rest at each interface of the stack at a phase
-    /// `w t` \[rad\] of a response of the condensed system. A gap is at the interface that is lost first.
-    pub fn interfaces_at(&self, response: &PeriodicResponse, phase: f64) -> Vec<[f64; 2]> {
-        let at = |interface: &CondensedInterface| {
-            let contact = &self.system.contacts()[interface.contact];
-            let [closure, ..] = response.closure_at(interface.contact, phase);
-            let own = |pressure: f64| interface.series.pressure(pressure);
-            let (pressure, rest) = (own(contact.pressure_at(closure)), own(contact.pressure()));
-            let law = &interface.series.law;
-            let gap = if interface.lost_first && contact.law().domain().separates() {
-                let touching =
-                    contact.law().closure_increment(contact.pressure(), -contact.pressure());
-                (closure - touching).min(0.0)
-            } else {
-                0.0
-            };
-            let more =
-                (pressure - rest).max(if law.domain().separates() { -rest } else { f64::MIN });
-            [more, law.closure_increment(rest, more) + gap]
-        };
-        self.interfaces.iter().map(at).collect()
-    }
 }
 
-/// A contact that stands for some, with the pressure of each, and the place of the one that is lost first.
+/// A contact that stands for some, with the pressure of each.
 struct Condensed {
     contact: PreloadedContact,
     parts: Vec<SeriesContact>,
-    lost_first: usize,
 }
 
 /// Interfaces `first` to `last` as one contact, the bodies between them condensed.
@@ -293,13 +263,11 @@ fn condense(
     let own = &structure.contacts()[first..=last];
     let part = |contact: &PreloadedContact| SeriesContact::new(Arc::clone(contact.law()));
     if let [contact] = own {
-        let parts = vec![part(contact)];
-        return Ok(Condensed { contact: contact.clone(), parts, lost_first: 0 });
+        return Ok(Condensed { contact: contact.clone(), parts: vec![part(contact)] });
     }
     // The pressure of the series is that of the contact lost first, the uppermost without tension.
-    let lost_first = own.iter().position(|contact| !contact.law().domain().is_bilateral());
-    let lost_first = lost_first.unwrap_or(0);
-    let reference = &own[lost_first];
+    let lost_first = own.iter().find(|contact| !contact.law().domain().is_bilateral());
+    let reference = lost_first.unwrap_or(&own[0]);
     let parts: Vec<SeriesContact> = own
         .iter()
         .map(|contact| {
@@ -318,7 +286,7 @@ fn condense(
     let law = LawsInSeries::new(parts.clone(), reference.area() * flexibility).map_err(named)?;
     let contact =
         PreloadedContact::new(&name, reference.area(), Arc::new(law), reference.pressure())?;
-    Ok(Condensed { contact: contact.with_damping(reference.damping()), parts, lost_first })
+    Ok(Condensed { contact: contact.with_damping(reference.damping()), parts })
 }
 
 fn mesh(error: asperity_mesh::MeshError) -> HarmonicError {

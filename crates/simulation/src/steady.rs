@@ -102,7 +102,8 @@ pub struct SteadyLevel {
     pub condensed: Option<Condensation>,
     /// A response by time integration, if requested.
     pub check: Option<TimeCheck>,
-    /// The largest stable response by time integration from its own state, where it loses contact.
+    /// The largest stable response by time integration from its own state, where it loses contact and no body is
+    /// condensed.
     pub from_own_state: Option<TimeCheck>,
     /// Ranges of frequency in which the branch has no stable response \[Hz\], those included that it does not reach.
     pub ranges_without_stable_hz: Vec<[f64; 2]>,
@@ -368,10 +369,12 @@ fn level<S: Shaken>(
         Some(peak) if request.verify => Some(S::time_check(assembly, peak)?),
         _ => None,
     };
-    let stable = outcome.as_ref().ok().and_then(Branch::highest_stable);
-    let from_own_state = stable
+    // The state of bodies without inertia is not known.
+    let whole = outcome.as_ref().ok().filter(|_| condensed.is_none());
+    let from_own_state = whole
+        .and_then(Branch::highest_stable)
         .filter(|response| response.contact_lost())
-        .and_then(|response| S::from_own_state(assembly, response, condensed.as_ref()));
+        .and_then(|response| S::from_own_state(assembly, response));
     let ranges = |branch: &Branch| branch.ranges_without_stable(request.from_hz, request.to_hz);
     let ranges_without_stable_hz = outcome.as_ref().map_or_else(|_| Vec::new(), ranges);
     let motions = S::motions(assembly, force_n, &ranges_without_stable_hz);
@@ -412,8 +415,7 @@ fn warnings(level: &SteadyLevel, contacts: &[PreloadedContact]) -> Vec<Warning> 
         Warning::Unresolved { frequency_hz, harmonics, truncation }
     });
     let differs = level.check.as_ref().and_then(TimeCheck::warning);
-    let own = level.from_own_state.as_ref();
-    let left = own.and_then(|found| found.not_kept(level.condensed.is_some()));
+    let left = level.from_own_state.as_ref().and_then(TimeCheck::not_kept);
     let outside = contacts.iter().enumerate().filter_map(outside);
     outside.chain(unresolved).chain(differs).chain(left).collect()
 }

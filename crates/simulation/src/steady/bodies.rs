@@ -136,12 +136,6 @@ impl LightBodies {
     pub fn pressures(&self, response: &PeriodicResponse) -> Vec<PressureRange> {
         self.stack.pressures(response)
     }
-
-    /// Pressure increment \[Pa\] and closure increment \[m\] of each interface of the scenario at a phase \[rad\]
-    /// of such a response.
-    pub(super) fn interfaces_at(&self, response: &PeriodicResponse, phase: f64) -> Vec<[f64; 2]> {
-        self.stack.interfaces_at(response, phase)
-    }
 }
 
 /// Shares of the bodies in the kinetic energy; under a moving base at least in the mass, which drives it.

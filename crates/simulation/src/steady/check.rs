@@ -59,13 +59,12 @@ impl TimeCheck {
     }
 
     /// The warning about a response that time integration from its own state leaves; none while the motion still
-    /// changes. Light bodies that a condensed branch leaves out may rattle.
-    pub(super) fn not_kept(&self, is_condensed: bool) -> Option<Warning> {
+    /// changes.
+    pub(super) fn not_kept(&self) -> Option<Warning> {
         let Self { frequency_hz, relative_difference, scatter, .. } = *self;
         let kept = match self.motion {
             SteadyMotion::NotSettled => return None,
             SteadyMotion::Apart => false,
-            _ if is_condensed => relative_difference <= AGREES + 2.0 * scatter,
             _ => relative_difference.max(scatter) <= KEPT,
         };
         (!kept).then_some(Warning::NotKept { frequency_hz, relative_difference, scatter })

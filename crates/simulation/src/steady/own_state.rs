@@ -4,9 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use asperity_dynamics::{Batch, PeriodicMotion};
 use asperity_harmonic::PeriodicResponse;
-use asperity_structure::PreloadedContact;
 
-use super::bodies::Condensation;
 use super::check::TimeCheck;
 use super::motion::{IntegratedMotion, motion_by};
 use super::settled::SteadyMotion;
@@ -23,15 +21,10 @@ impl TimeCheck {
     /// The motion that `response` turns into; none where contacts are damped or rub, and where no step closes the
     /// energy balance.
     ///
-    /// Time integration takes the modes that a hit excites, the light bodies of a condensed branch with
-    /// their inertia. It starts in the motion of the response, so that it stays on this one of several, and goes on
+    /// Time integration takes the modes that a hit excites. It starts in the motion of the response, so that it stays on this one of several, and goes on
     /// until the fundamental no longer changes, or scatters for good.
-    pub(super) fn from_own_state(
-        assembly: &Assembly,
-        response: &PeriodicResponse,
-        condensed: Option<&Condensation>,
-    ) -> Option<Self> {
-        let motion = periodic_motion(assembly, response, condensed);
+    pub(super) fn from_own_state(assembly: &Assembly, response: &PeriodicResponse) -> Option<Self> {
+        let motion = periodic_motion(assembly, response);
         let (force, frequency_hz) = (response.force, response.frequency_hz());
         let from_state = |share: &f64| {
             let run = |case: &_| Batch::default().run_from(case, &motion);
@@ -53,29 +46,16 @@ impl TimeCheck {
 }
 
 /// The motion of the contacts over a period from where the load is zero and rises.
-fn periodic_motion(
-    assembly: &Assembly,
-    response: &PeriodicResponse,
-    condensed: Option<&Condensation>,
-) -> PeriodicMotion {
-    let contacts = assembly.structure.contacts();
-    let at = |n: usize| -> Vec<[f64; 2]> {
-        let phase = TAU * n as f64 / SAMPLES as f64 - FRAC_PI_2;
-        if let Some(condensed) = condensed {
-            return condensed.light.interfaces_at(response, phase);
-        }
-        let of = |(i, contact): (usize, &PreloadedContact)| {
-            let [closure, ..] = response.closure_at(i, phase);
-            [contact.pressure_at(closure) - contact.pressure(), closure]
-        };
-        contacts.iter().enumerate().map(of).collect()
-    };
-    let all: Vec<Vec<[f64; 2]>> = (0..SAMPLES).map(at).collect();
-    let column = |i: usize, which: usize| all.iter().map(move |row| row[i][which]);
-    PeriodicMotion {
-        pressures: (0..contacts.len()).map(|i| column(i, 0).collect()).collect(),
-        mean_closures: (0..contacts.len())
-            .map(|i| column(i, 1).sum::<f64>() / SAMPLES as f64)
-            .collect(),
-    }
+fn periodic_motion(assembly: &Assembly, response: &PeriodicResponse) -> PeriodicMotion {
+    let contacts = assembly.structure.contacts().iter().enumerate();
+    let (pressures, mean_closures) = contacts
+        .map(|(i, contact)| {
+            let phase = |n: usize| TAU * n as f64 / SAMPLES as f64 - FRAC_PI_2;
+            let closures = (0..SAMPLES).map(|n| response.closure_at(i, phase(n))[0]);
+            let pressure = |closure: f64| contact.pressure_at(closure) - contact.pressure();
+            let mean = closures.clone().sum::<f64>() / SAMPLES as f64;
+            (closures.map(pressure).collect(), mean)
+        })
+        .unzip();
+    PeriodicMotion { pressures, mean_closures }
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use asperity_harmonic::{ContactSystem, LawEvaluation, PeriodicResponse};
 use asperity_structure::PreloadedStructure;
 
-use super::bodies::{BodyModel, Condensation, LightBodies};
+use super::bodies::{BodyModel, LightBodies};
 use super::check::TimeCheck;
 use super::motion::{IntegratedMotion, motions};
 use super::time_sweep::{TimeSweep, TimeSweepRequest, time_sweeps};
@@ -58,7 +58,6 @@ pub trait Shaken: Interfaces + Sync + Sized {
     fn from_own_state(
         _assembly: &Assembly<Self>,
         _response: &PeriodicResponse,
-        _condensed: Option<&Condensation>,
     ) -> Option<TimeCheck> {
         None
     }
@@ -114,12 +113,8 @@ impl Shaken for PreloadedStructure {
         Ok(TimeCheck::of(assembly, response)?)
     }
 
-    fn from_own_state(
-        assembly: &Assembly,
-        response: &PeriodicResponse,
-        condensed: Option<&Condensation>,
-    ) -> Option<TimeCheck> {
-        TimeCheck::from_own_state(assembly, response, condensed)
+    fn from_own_state(assembly: &Assembly, response: &PeriodicResponse) -> Option<TimeCheck> {
+        TimeCheck::from_own_state(assembly, response)
     }
 
     fn motions(assembly: &Assembly, amplitude: f64, ranges: &[[f64; 2]]) -> Vec<IntegratedMotion> {
