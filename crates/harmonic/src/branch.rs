@@ -249,7 +249,7 @@ mod tests {
             finer: None,
         };
         assert_eq!(branch.highest_stable().map(|one| one.amplitude(1)), Some(3.2));
-        // A pair of bifurcations between two stable points: neither part alone is wide beyond it.
+        // A bifurcation between two stable points parts the branch there; the upper part is still wide.
         branch.special.push(special(
             SpecialPointKind::PeriodDoubling,
             1,

@@ -21,8 +21,8 @@ impl TimeCheck {
     /// The motion that `response` turns into; none where contacts are damped or rub, and where no step closes the
     /// energy balance.
     ///
-    /// Time integration takes the modes that a hit excites. It starts in the motion of the response, so that it stays on this one of several, and goes on
-    /// until the fundamental no longer changes, or scatters for good.
+    /// Time integration takes the modes that a hit excites. It starts in the motion of the response, so that it
+    /// stays on this one of several, and goes on until the fundamental no longer changes, or scatters for good.
     pub(super) fn from_own_state(assembly: &Assembly, response: &PeriodicResponse) -> Option<Self> {
         let motion = periodic_motion(assembly, response);
         let (force, frequency_hz) = (response.force, response.frequency_hz());
