@@ -4,8 +4,9 @@
 //! Runs of one structure under one shape of force have like relative errors while contact holds. The
 //! errors are estimated once, for a reference run whose amplitude is the next power of two above the
 //! amplitude of the run, and runs take the step, the modes and the errors of their reference run; the results
-//! of a run do not depend on other runs. A run that loses contact is refined by itself, at steps of its own. A
-//! reference run for which equal steps would take longer has steps of its own too, and so have the runs that it serves.
+//! of a run do not depend on other runs. A run that loses contact is refined by itself, at steps of its own; one that
+//! comes near opening under a law that never separates is refined by itself too. A reference run for which equal steps
+//! would take longer has steps of its own, and so have the runs that it serves.
 //!
 //! A request may name a structure near its own ([`RunRequest::near`]), as rows of a study do. Then the
 //! reference run is of that structure, which other rows share. Runs that lose contact there take steps and
@@ -60,14 +61,14 @@ pub struct ErrorControl {
 struct ReferenceRun {
     request: RunRequest,
     kind: Reference,
-    /// None if the run failed, did not reach the accuracy, or, of an octave, lost contact.
+    /// None if the run failed, did not reach the accuracy, or, of an octave, opened.
     outcome: Option<Arc<Chosen>>,
 }
 
 /// Runs that a reference run serves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Reference {
-    /// All amplitudes of an octave, while contact holds.
+    /// All amplitudes of an octave, while no contact opens.
     Octave,
     /// Requests with this near run.
     Near,

@@ -39,6 +39,9 @@ pub struct PreloadedContact {
 }
 
 impl PreloadedContact {
+    /// Pressure over that at rest up to which a contact without tension is near opening.
+    pub const NEAR_OPENING: f64 = 0.1;
+
     /// A contact of nominal `area` \[m2\] that follows `law` about the static `pressure` \[Pa\].
     ///
     /// # Errors
@@ -96,6 +99,12 @@ impl PreloadedContact {
         };
         let touching = Self::new(name, area, law, 0.0)?;
         Ok(Self { stiffness: 0.0, closure: lost - gap, gap, ..touching })
+    }
+
+    /// True where `lowest` \[Pa\] is near opening: up to [`NEAR_OPENING`](Self::NEAR_OPENING) times the static
+    /// pressure. A contact whose law never separates may be, one that carries tension never is.
+    pub fn is_near_opening(&self, lowest: f64) -> bool {
+        !self.law.domain().is_bilateral() && lowest <= Self::NEAR_OPENING * self.pressure
     }
 
     /// The contact with viscous `damping`, or with none.

@@ -16,9 +16,7 @@ use super::simd::integrate::{BlockRun, Recording, room};
 use super::simd::outcome::{Outcome, RunEnd};
 use super::step_model::InterpolationChoice;
 use super::step_size::{MOST_HALVINGS, Resolution};
-use super::transient_case::{
-    CaseResponse, TransientCase, first_table_exponents, is_near_opening, pressure_at,
-};
+use super::transient_case::{CaseResponse, TransientCase, first_table_exponents, pressure_at};
 use super::variable_steps::{self, Ended, Midway};
 use crate::error::balanced;
 use crate::{ContactExtremes, DynamicsError, InstructionSet};
@@ -416,7 +414,7 @@ impl Attempt {
     pub(super) fn joined(&self, midway: &Midway, outcome: Outcome) -> Option<CaseResponse> {
         let rest = self.record(outcome);
         let mut contacts = self.lane.model.contacts().iter().zip(&rest.contacts);
-        let opens = contacts.any(|(contact, seen)| is_near_opening(contact, seen.pressure_min));
+        let opens = contacts.any(|(contact, seen)| contact.is_near_opening(seen.pressure_min));
         let joined = midway.joined(rest);
         let is_balanced = !Resolution::too_coarse(joined.energy.residual_relative());
         (!opens && is_balanced).then_some(joined)

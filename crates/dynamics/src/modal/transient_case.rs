@@ -64,14 +64,6 @@ pub(super) fn pressure_at(contact: &PreloadedContact, open_below: f64, increment
     }
 }
 
-/// Pressure over that at rest up to which a contact without tension is near opening.
-pub(super) const NEAR_OPENING: f64 = 0.1;
-
-/// True where `lowest` \[Pa\] is near the opening of a contact, also of one whose law never separates.
-pub(super) fn is_near_opening(contact: &PreloadedContact, lowest: f64) -> bool {
-    !contact.law().domain().is_bilateral() && lowest <= NEAR_OPENING * contact.pressure()
-}
-
 /// The response to a transient case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseResponse {

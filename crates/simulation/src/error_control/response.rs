@@ -37,6 +37,16 @@ impl Response {
         contact_is_lost(&self.record.contacts)
     }
 
+    /// True if a contact is lost, or near opening under a law that never separates: such faces fly apart as well.
+    /// Errors of these responses are not those of responses to other forces.
+    pub(super) fn opens(&self) -> bool {
+        let mut contacts = self.case.model.contacts().iter().zip(&self.record.contacts);
+        contacts.any(|(contact, seen)| {
+            let separates = contact.law().domain().separates();
+            seen.lost > 0.0 || (!separates && contact.is_near_opening(seen.pressure_min))
+        })
+    }
+
     pub(super) fn has_friction(&self) -> bool {
         self.case.model.preloaded().friction().is_some()
     }

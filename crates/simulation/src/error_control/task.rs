@@ -434,7 +434,7 @@ impl<'a> Task<'a> {
         let lost = |i: usize| reference.get(Quantity::ContactLost, Some(i)).unwrap_or(0.0);
         let contacts = || fine.record.contacts.iter().enumerate();
         if contacts().all(|(i, _)| lost(i) == 0.0) {
-            return !fine.loses_contact();
+            return !fine.opens();
         }
         contacts().all(|(i, contact)| (contact.lost - lost(i)).abs() * natural <= LIKE_LOSS)
     }
@@ -481,8 +481,7 @@ impl<'a> Task<'a> {
             Some(Err(error)) => self.done = Some(Err(error)),
             // The runs of this reference are refined one by one.
             Some(Ok(fine))
-                if self.is_of_octave()
-                    && (fine.loses_contact() || self.is_far_from_converged(&fine)) =>
+                if self.is_of_octave() && (fine.opens() || self.is_far_from_converged(&fine)) =>
             {
                 let estimate = ErrorEstimate::unknown(fine.observables.all(), self.accuracy());
                 self.done = Some(Ok(accepted(fine, self.counts(), estimate)));

@@ -16,7 +16,6 @@ use asperity_structure::PreloadedContact;
 
 use crate::modal::assembly::MOST_INTERFACES;
 use crate::modal::step_coefficients::{RowMatrix, StepCoefficients};
-use crate::modal::transient_case::NEAR_OPENING;
 
 /// Corrections before a step counts as too long.
 const MOST_CORRECTIONS: usize = 12;
@@ -131,7 +130,7 @@ impl<'a> Contact<'a> {
 
     /// True where a pressure increment \[Pa\] is near the opening of the contact.
     pub(super) fn is_near_opening(&self, pressure: f64) -> bool {
-        pressure <= (1.0 - NEAR_OPENING) * self.least
+        pressure <= (1.0 - PreloadedContact::NEAR_OPENING) * self.least
     }
 
     /// Pressure increment \[Pa\] and stiffness \[Pa/m\] at a closure increment \[m\].
