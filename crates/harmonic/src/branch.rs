@@ -147,12 +147,17 @@ impl Branch {
         all.max_by(|a, b| a.amplitude(1).total_cmp(&b.amplitude(1)))
     }
 
-    /// The ranges of frequency \[Hz\] between `from` and `to` in which the branch has no stable response, in rising
-    /// order: those that no two neighbouring points span of which none is unstable or has a truncation above 2e-3. Ranges
-    /// below a thousandth of the whole, as next to a fold, are left out.
-    pub fn ranges_without_stable(&self, from: f64, to: f64) -> Vec<[f64; 2]> {
+    /// The ranges of frequency \[Hz\] between `from` and `to` in which none of some branches has a stable response, in
+    /// rising order: those that no two neighbouring points span of which none is unstable or has a truncation above 2e-3.
+    /// Ranges below a thousandth of the whole, as next to a fold, are left out.
+    pub fn ranges_without_stable<'a>(
+        branches: impl IntoIterator<Item = &'a Self>,
+        from: f64,
+        to: f64,
+    ) -> Vec<[f64; 2]> {
         let (low, high) = (from.min(to), from.max(to));
-        let spans = self.points.windows(2).filter_map(|pair| {
+        let pairs = branches.into_iter().flat_map(|branch| branch.points.windows(2));
+        let spans = pairs.filter_map(|pair| {
             let is_stable =
                 |point: &PeriodicResponse| point.stable() != Some(false) && point.is_resolved();
             let stable = pair.iter().all(is_stable);

@@ -18,11 +18,8 @@ type Observable = fn(&SteadyLevel, &PeriodicResponse) -> f64;
 /// Amplitude with backbones, displacement ratio, and lowest pressure over one range of frequencies, with
 /// the special points of each branch; none without a branch.
 pub fn steady(found: &Steady) -> Option<Figure> {
-    let branches: Vec<(&SteadyLevel, &Branch)> = found
-        .levels
-        .iter()
-        .filter_map(|level| Some((level, level.outcome.as_ref().ok()?)))
-        .collect();
+    let branches: Vec<(&SteadyLevel, &Branch)> =
+        found.parts().filter_map(|level| Some((level, level.outcome.as_ref().ok()?))).collect();
     if branches.is_empty() {
         return None;
     }
@@ -56,7 +53,7 @@ pub fn steady(found: &Steady) -> Option<Figure> {
             let points = sweep.outcome.as_ref().map_or(&[][..], |points| points);
             let (x, y) = some(points, usize::from(rising));
             let level = branches.iter().position(|(level, _)| level.force_n == sweep.force_n);
-            let color = level.map_or(Color::BLACK, |at| Color::ramp_step(at, branches.len()));
+            let color = level.map_or(Color::BLACK, |_| color(&branches, sweep.force_n));
             let series = Series::points(std::mem::take(&mut name), x, y).color(color);
             let series = series.marker(marker).filled(true).marker_size(2.8);
             amplitude = amplitude.series_if_visible(series);
@@ -87,9 +84,13 @@ fn all(
     observable: Observable,
 ) -> Panel {
     for (index, (level, branch)) in branches.iter().enumerate() {
-        let color = Color::ramp_step(index, branches.len());
-        let mut name =
-            if index < MOST_NAMED { format!("{} {unit}", level.force_n) } else { String::new() };
+        let color = color(branches, level.force_n);
+        let is_other_part = branches[..index].iter().any(|(one, _)| one.force_n == level.force_n);
+        let mut name = if index < MOST_NAMED && !is_other_part {
+            format!("{} {unit}", level.force_n)
+        } else {
+            String::new()
+        };
         for (kind, points) in parts(&branch.points) {
             let (x, y) = columns(points, |point| observable(level, point));
             let line = Series::line(std::mem::take(&mut name), x, y).color(color);
@@ -112,6 +113,18 @@ fn all(
         }
     }
     panel
+}
+
+/// The colour of a force amplitude, that of all parts of its branch.
+fn color(branches: &[(&SteadyLevel, &Branch)], force_n: f64) -> Color {
+    let mut forces: Vec<f64> = Vec::new();
+    for (level, _) in branches {
+        if !forces.contains(&level.force_n) {
+            forces.push(level.force_n);
+        }
+    }
+    let at = forces.iter().position(|&force| force == force_n).unwrap_or(0);
+    Color::ramp_step(at, forces.len())
 }
 
 /// Stepped sines by time integration: name, symbol, and whether the frequency rises. The colour is that

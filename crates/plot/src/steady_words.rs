@@ -13,11 +13,12 @@ const MOST_LISTED: usize = 4;
 /// The peak of each amplitude, or the reason why there is none, and the special points, as lines of text.
 pub fn branches(summary: &SteadySummary) -> String {
     let mut text = String::new();
-    for level in &summary.levels {
-        let LevelSummary::Solved(branch) = level else { continue };
+    for (index, part) in summary.parts().enumerate() {
+        let LevelSummary::Solved(branch) = part else { continue };
         let (value, unit) = (branch.load.value(), branch.load.unit());
+        let other = if index < summary.levels.len() { String::new() } else { other_part(branch) };
         // Writing to a String cannot fail.
-        let _ = writeln!(text, "{value:>10} {unit}   {}", peak(branch));
+        let _ = writeln!(text, "{value:>10} {unit}   {other}{}", peak(branch));
         let further = advice(branch).map(str::to_owned).into_iter();
         let further = further.chain([remarks(branch).join("; ")]);
         let checks = [branch.stable_peak_integrated.map(|found| from_own_state(&found))];
@@ -31,6 +32,12 @@ pub fn branches(summary: &SteadySummary) -> String {
         let _ = writeln!(text, "{value:>10} {unit}   {}", time_sweep(sweep));
     }
     text
+}
+
+/// The beginning of a remark about the other part of a branch.
+pub fn other_part(branch: &BranchSummary) -> String {
+    let hz = branch.start_frequency_hz.unwrap_or(f64::NAN);
+    format!("another part of the branch, from {hz:.3} Hz on: ")
 }
 
 /// The peak inside a complete branch, or the reason why there is none.
@@ -86,9 +93,8 @@ pub fn advice(branch: &BranchSummary) -> Option<&'static str> {
         return None;
     }
     Some(match branch.end {
-        TerminationSummary::Reached => "try a wider range of frequencies (--from, --to)",
-        TerminationSummary::Returned => {
-            "try to start on the other side of the resonance (--from, --to)"
+        TerminationSummary::Reached | TerminationSummary::Returned => {
+            "try a wider range of frequencies (--from, --to)"
         }
         TerminationSummary::BeyondLaw { .. } => "try a lower force (--amplitude)",
         _ if branch.contact_lost && branch.condensed_bodies.is_empty() => {

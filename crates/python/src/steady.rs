@@ -134,7 +134,7 @@ fn followed<S: Shaken>(
         time_sweeps: request.time_sweep.map(|_| steady_time_table(&found)),
         cells: None,
         figure: asperity_plot::steady(&found),
-        warnings: in_words(found.levels.iter().flat_map(|level| &level.warnings)),
+        warnings: in_words(found.parts().flat_map(|level| &level.warnings)),
         summary: SteadySummary::new(title, at_rest, &found, provenance),
     };
     Ok((results, found))

@@ -86,6 +86,12 @@ impl ErrorEstimate {
         Self { errors, ..self.clone() }
     }
 
+    /// So many times the errors.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let errors = self.errors.iter().map(|error| factor * error).collect();
+        Self { errors, relative: factor * self.relative, ..self.clone() }
+    }
+
     /// The larger error of two estimates for each observable.
     pub(crate) fn larger(self, other: Self) -> Self {
         let (mut more, less) =

@@ -143,17 +143,6 @@ impl Observables {
         self
     }
 
-    /// These observables with the errors of others of the same response.
-    pub(crate) fn with_estimate_of(mut self, other: &Self) -> Self {
-        if let Some(estimate) = other.estimate() {
-            self = self.with_estimate(estimate.clone());
-        }
-        if let Some(from_s) = other.get(Quantity::SensitiveFrom, None) {
-            self.mark_sensitive(from_s);
-        }
-        self
-    }
-
     /// Marks a response that depends on rounding from a time \[s\] on, as the observables of a
     /// `perturbed` run show; without one no error is known.
     pub(crate) fn set_sensitive(&mut self, from_s: f64, perturbed: Option<&Self>) {

@@ -16,7 +16,7 @@ use std::time::Instant;
 
 use asperity_harmonic::{
     Branch, ContactSystem, Continuation, Floquet, FourierResolution, HarmonicError,
-    HarmonicSettings, LawEvaluation, PeriodicResponse, PressureRange, StepControl,
+    HarmonicSettings, LawEvaluation, PeriodicResponse, PressureRange, StepControl, Termination,
 };
 use asperity_structure::PreloadedContact;
 use rayon::prelude::*;
@@ -105,7 +105,8 @@ pub struct SteadyLevel {
     /// The largest stable response by time integration from its own state, where it loses contact and no body is
     /// condensed.
     pub from_own_state: Option<TimeCheck>,
-    /// Ranges of frequency in which the branch has no stable response \[Hz\], those included that it does not reach.
+    /// Ranges of frequency in which neither part of the branch has a stable response \[Hz\], those included that they do
+    /// not reach.
     pub ranges_without_stable_hz: Vec<[f64; 2]>,
     /// Motions by time integration at frequencies in these ranges.
     pub motions: Vec<IntegratedMotion>,
@@ -164,6 +165,9 @@ pub struct Backbones {
 pub struct Steady {
     /// The levels, in the order of the request.
     pub levels: Vec<SteadyLevel>,
+    /// Where a branch from one end of the range leaves it there, the branch from its other end, if there is one: the
+    /// level has the one of the two that covers the range, or else that from the start.
+    pub other_parts: Vec<SteadyLevel>,
     /// The backbones, if requested.
     pub backbones: Option<Backbones>,
     /// The stepped sines by time integration, if requested.
@@ -179,6 +183,11 @@ pub struct Steady {
 }
 
 impl Steady {
+    /// The branches of all levels, then the other parts, as tables number them from 1.
+    pub fn parts(&self) -> impl Iterator<Item = &SteadyLevel> {
+        self.levels.iter().chain(&self.other_parts)
+    }
+
     /// Unit of the amplitudes.
     pub fn unit(&self) -> &'static str {
         if self.is_base_motion { "m/s²" } else { "N" }
@@ -256,16 +265,18 @@ pub fn steady_with_progress<S: Shaken>(
         progress: &|| progress(SteadyProgress::Point),
     };
     let settings = settings(request, most, system.contacts().len());
-    let levels = request
+    let found = request
         .amplitudes
         .par_iter()
         .map(|&force_n| {
-            let level = level(assembly, &choice, request, &settings, force_n);
+            let found = level(assembly, &choice, request, &settings, force_n);
             progress(SteadyProgress::Level);
-            level
+            found
         })
         .collect::<Result<Vec<_>, SimulationError>>()?;
-    for level in &levels {
+    let (levels, other_parts): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+    let other_parts: Vec<SteadyLevel> = other_parts.into_iter().flatten().collect();
+    for level in levels.iter().chain(&other_parts) {
         for warning in &level.warnings {
             tracing::warn!(force_n = level.force_n, "{warning}");
         }
@@ -276,6 +287,7 @@ pub fn steady_with_progress<S: Shaken>(
     let time_sweeps = request.time_sweep.map(sweeps).transpose()?.unwrap_or_default();
     Ok(Steady {
         levels,
+        other_parts,
         backbones,
         time_sweeps,
         is_base_motion: assembly.load.base().is_some(),
@@ -354,51 +366,91 @@ fn settings(request: &SteadyRequest, most: usize, contacts: usize) -> HarmonicSe
     HarmonicSettings { resolution, steps, stability, until_contact_lost: false }
 }
 
+/// The responses at one amplitude; the second where the branch has another part.
 fn level<S: Shaken>(
     assembly: &Assembly<S>,
     choice: &BodyChoice<'_>,
     request: &SteadyRequest,
     settings: &HarmonicSettings,
     force_n: f64,
-) -> Result<SteadyLevel, SimulationError> {
-    let started = Instant::now();
-    let path = Continuation::Frequency { force: force_n, from: request.from_hz, to: request.to_hz };
-    let (outcome, condensed) = choice.trace(&path, settings);
-    let wall_s = started.elapsed().as_secs_f64();
-    let check = match outcome.as_ref().ok().and_then(TimeCheck::place) {
+) -> Result<(SteadyLevel, Option<SteadyLevel>), SimulationError> {
+    let (from, to) = (request.from_hz, request.to_hz);
+    let trace = |from: f64, to: f64| {
+        let started = Instant::now();
+        let path = Continuation::Frequency { force: force_n, from, to };
+        let (outcome, condensed) = choice.trace(&path, settings);
+        FoundBranch { outcome, condensed, wall_s: started.elapsed().as_secs_f64() }
+    };
+    let (mut first, mut second) = (trace(from, to), None);
+    if first.ended_as(&Termination::Returned) {
+        second = Some(trace(to, from)).filter(|part| part.outcome.is_ok());
+        if let Some(part) = second.as_mut().filter(|part| part.ended_as(&Termination::Reached)) {
+            std::mem::swap(&mut first, part);
+        }
+    }
+    let parts = [Some(&first), second.as_ref()].into_iter().flatten();
+    let branches = parts.filter_map(|part| part.outcome.as_ref().ok());
+    let ranges = Branch::ranges_without_stable(branches, from, to);
+    let motions = S::motions(assembly, force_n, &ranges);
+    let check = match first.outcome.as_ref().ok().and_then(TimeCheck::place) {
         Some(peak) if request.verify => Some(S::time_check(assembly, peak)?),
         _ => None,
     };
-    // The state of bodies without inertia is not known.
-    let whole = outcome.as_ref().ok().filter(|_| condensed.is_none());
-    let from_own_state = whole
-        .and_then(Branch::highest_stable)
-        .filter(|response| response.contact_lost())
-        .and_then(|response| S::from_own_state(assembly, response));
-    let ranges = |branch: &Branch| branch.ranges_without_stable(request.from_hz, request.to_hz);
-    let ranges_without_stable_hz = outcome.as_ref().map_or_else(|_| Vec::new(), ranges);
-    let motions = S::motions(assembly, force_n, &ranges_without_stable_hz);
-    let points = outcome.as_ref().map_or(&[][..], |branch| &branch.points);
-    let unknown = points.iter().any(|point| point.stable().is_none());
-    let mut level = SteadyLevel {
-        force_n,
-        outcome,
-        condensed,
-        check,
-        from_own_state,
-        ranges_without_stable_hz,
-        motions,
-        stability_unknown: unknown.then_some(StabilityUnknown::FastMode),
-        warnings: Vec::new(),
-        cells: assembly.structure.cells(),
-        wall_s,
-    };
-    level.warnings = warnings(&level, assembly.structure.interfaces());
-    Ok(level)
+    let level = |found: FoundBranch| found.level(assembly, force_n, &ranges);
+    let second = second.map(level);
+    let mut first = SteadyLevel { check, motions, ..level(first) };
+    first.warnings.extend(first.check.as_ref().and_then(TimeCheck::warning));
+    Ok((first, second))
+}
+
+/// A branch with what it took.
+struct FoundBranch {
+    outcome: Result<Branch, HarmonicError>,
+    condensed: Option<Condensation>,
+    wall_s: f64,
+}
+
+impl FoundBranch {
+    fn ended_as(&self, end: &Termination) -> bool {
+        self.outcome.as_ref().is_ok_and(|branch| branch.termination == *end)
+    }
+
+    /// The level of the branch, without what is integrated from rest.
+    fn level<S: Shaken>(
+        self,
+        assembly: &Assembly<S>,
+        force_n: f64,
+        ranges_without_stable_hz: &[[f64; 2]],
+    ) -> SteadyLevel {
+        let Self { outcome, condensed, wall_s } = self;
+        // The state of bodies without inertia is not known.
+        let whole = outcome.as_ref().ok().filter(|_| condensed.is_none());
+        let from_own_state = whole
+            .and_then(Branch::highest_stable)
+            .filter(|response| response.contact_lost())
+            .and_then(|response| S::from_own_state(assembly, response));
+        let points = outcome.as_ref().map_or(&[][..], |branch| &branch.points);
+        let unknown = points.iter().any(|point| point.stable().is_none());
+        let level = SteadyLevel {
+            force_n,
+            outcome,
+            condensed,
+            check: None,
+            from_own_state,
+            ranges_without_stable_hz: ranges_without_stable_hz.to_vec(),
+            motions: Vec::new(),
+            stability_unknown: unknown.then_some(StabilityUnknown::FastMode),
+            warnings: Vec::new(),
+            cells: assembly.structure.cells(),
+            wall_s,
+        };
+        let warnings = warnings(&level, assembly.structure.interfaces());
+        SteadyLevel { warnings, ..level }
+    }
 }
 
 /// Warnings about the contacts whose pressures leave the measured range on a branch, about a largest response whose
-/// harmonics do not suffice, and about responses that time integration does not confirm or leaves.
+/// harmonics do not suffice, and about one that time integration leaves.
 fn warnings(level: &SteadyLevel, contacts: &[PreloadedContact]) -> Vec<Warning> {
     let points = level.outcome.as_ref().map_or(&[][..], |branch| &branch.points);
     let all: Vec<Vec<PressureRange>> = points.iter().map(|point| level.pressures(point)).collect();
@@ -414,10 +466,9 @@ fn warnings(level: &SteadyLevel, contacts: &[PreloadedContact]) -> Vec<Warning> 
         let (frequency_hz, truncation) = (peak.frequency_hz(), peak.truncation);
         Warning::Unresolved { frequency_hz, harmonics, truncation }
     });
-    let differs = level.check.as_ref().and_then(TimeCheck::warning);
     let left = level.from_own_state.as_ref().and_then(TimeCheck::not_kept);
     let outside = contacts.iter().enumerate().filter_map(outside);
-    outside.chain(unresolved).chain(differs).chain(left).collect()
+    outside.chain(unresolved).chain(left).collect()
 }
 
 /// Phase resonance up to the largest force, and the damped mode up to the amplitude reached there.

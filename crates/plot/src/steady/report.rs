@@ -65,7 +65,7 @@ pub fn steady_report(summary: &SteadySummary, figure: Option<&Figure>) -> String
 }
 
 fn solved(summary: &SteadySummary) -> impl Iterator<Item = &BranchSummary> {
-    summary.levels.iter().filter_map(|level| match level {
+    summary.parts().filter_map(|level| match level {
         LevelSummary::Solved(branch) => Some(&**branch),
         LevelSummary::Failed { .. } => None,
     })
@@ -83,9 +83,9 @@ fn load_header(summary: &SteadySummary) -> &'static str {
     }
 }
 
-/// A row for each force amplitude.
+/// A row for each part of the branch of each force amplitude.
 fn peaks(page: Report, summary: &SteadySummary) -> Report {
-    let rows = summary.levels.iter().map(|level| match level {
+    let rows = summary.parts().enumerate().map(|(index, level)| match level {
         LevelSummary::Failed { load, error } => {
             let mut row = vec![TableCell::from(load.value())];
             row.extend((0..5).map(|_| TableCell::from("")));
@@ -94,7 +94,9 @@ fn peaks(page: Report, summary: &SteadySummary) -> Report {
         }
         LevelSummary::Solved(branch) => {
             let number = |value: Option<f64>| TableCell::from(value.unwrap_or(f64::NAN));
-            let mut remarks = vec![steady_words::end(branch)];
+            let is_other = index >= summary.levels.len();
+            let other = is_other.then(|| steady_words::other_part(branch)).unwrap_or_default();
+            let mut remarks = vec![other + &steady_words::end(branch)];
             if !branch.peak_is_inside {
                 remarks.push("no peak; the numbers are the largest computed".to_owned());
             }

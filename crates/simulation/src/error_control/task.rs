@@ -38,6 +38,9 @@ const MOST_TOLERANCES: i32 = 3;
 /// losses of contact are alike.
 const LIKE_LOSS: f64 = 0.1;
 
+/// Errors by equal steps over those by steps of twice the length, at least: the method is of second order.
+const HALF_STEP: f64 = 0.25;
+
 /// Successive levels without a response after which the run fails.
 const MOST_FAILURES: usize = 4;
 
@@ -85,6 +88,8 @@ pub(super) struct Task<'a> {
     /// response.
     pub(super) other: Option<Result<Response, SimulationError>>,
     pub(super) fewer: Option<Result<Response, SimulationError>>,
+    /// Errors by equal steps of twice the length.
+    by_longer_step: Option<ErrorEstimate>,
     /// Errors by the truncation of modes, with the number of modes of the response.
     truncation: Option<(usize, ErrorEstimate)>,
     /// The time from which on the fine response and its perturbed run differ, and the observables of the
@@ -129,6 +134,7 @@ impl<'a> Task<'a> {
             fine: None,
             other: None,
             fewer: None,
+            by_longer_step: None,
             truncation: None,
             diverged: None,
             done: None,
@@ -196,6 +202,7 @@ impl<'a> Task<'a> {
     fn begin_anew(&mut self, steps: StepLengths, level: Level) {
         (self.steps, self.level, self.fine) = (steps, level, None);
         (self.other, self.fewer, self.truncation) = (None, None, None);
+        self.by_longer_step = None;
     }
 
     /// True if the fine response is compared with one of half the step, false for one of twice the step.
@@ -489,6 +496,11 @@ impl<'a> Task<'a> {
             Some(Ok(fine)) => {
                 self.failures = 0;
                 let by_step = self.step_errors(&fine);
+                // Two responses with wrong phases may agree by chance, and not three.
+                let by_step = match &self.by_longer_step {
+                    Some(longer) => by_step.larger(longer.scaled(HALF_STEP)),
+                    None => by_step,
+                };
                 let by_modes = match (self.truncation.take(), &self.fewer) {
                     (Some((_, known)), None) => known,
                     _ => self.truncation_errors(&fine),
@@ -528,6 +540,10 @@ impl<'a> Task<'a> {
                 let halve = is_coarse && self.may_halve(&work);
                 let add_modes = exceeds(&by_modes, count_share) && self.may_add_modes(&work);
                 let diverged = self.diverged.take();
+                if halve {
+                    let is_known = by_step.relative.is_finite() && !self.varies_steps();
+                    self.by_longer_step = is_known.then(|| by_step.clone());
+                }
                 if diverged.is_none() && halve && self.is_slow(&work, by_step.relative) {
                     let modes = self.level.modes + i32::from(add_modes);
                     self.slow = Some(Level { modes, ..self.level });

@@ -128,7 +128,7 @@ impl SequenceRunner for Integration<'_> {
 pub fn steady_cells(structure: &PatchStructure, steady: &Steady) -> DataTable {
     let contacts = structure.structure.contacts();
     let peaks = (1..)
-        .zip(&steady.levels)
+        .zip(steady.parts())
         .filter_map(|(branch, level)| Some((branch, level.outcome.as_ref().ok()?.highest()?)));
     let cells = peaks.flat_map(|(branch, peak)| {
         let cells = structure.patches.iter().flat_map(|patch| {

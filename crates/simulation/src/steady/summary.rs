@@ -26,6 +26,8 @@ pub struct SteadySummary {
     pub at_rest: StaticSummary,
     /// The force amplitudes, in the order of the request.
     pub levels: Vec<LevelSummary>,
+    /// The branches from the other end of the range where one from its start leaves it there.
+    pub other_parts: Vec<LevelSummary>,
     /// The backbones, if requested.
     pub backbone: Option<BackbonesSummary>,
     /// The stepped sines by time integration, if requested.
@@ -121,6 +123,8 @@ pub struct BranchSummary {
     pub truncation: f64,
     /// Termination of the branch.
     pub end: TerminationSummary,
+    /// Frequency of the first response \[Hz\].
+    pub start_frequency_hz: Option<f64>,
     /// Frequency of the last response \[Hz\].
     pub end_frequency_hz: Option<f64>,
     /// The branch with more harmonics that did not cover the range, where this one took its place.
@@ -131,7 +135,7 @@ pub struct BranchSummary {
     pub stable_peak_amplitude_1_m: Option<f64>,
     /// The same response by time integration from its own state, where it loses contact.
     pub stable_peak_integrated: Option<TimeCheck>,
-    /// Ranges of frequency in which the branch has no stable response \[Hz\].
+    /// Ranges of frequency in which neither part of the branch has a stable response \[Hz\].
     pub ranges_without_stable_hz: Vec<[f64; 2]>,
     /// Motions by time integration at frequencies in these ranges.
     pub motions: Vec<IntegratedMotion>,
@@ -249,18 +253,28 @@ impl SteadySummary {
             mode: BackboneSummary::of(&found.mode),
         };
         let base = steady.is_base_motion;
-        let levels = steady.levels.iter().map(|level| LevelSummary::of(level, base));
+        let levels = |levels: &[SteadyLevel]| {
+            levels.iter().map(|level| LevelSummary::of(level, base)).collect()
+        };
         let sweeps = steady.time_sweeps.iter().map(|sweep| TimeSweepSummary::of(sweep, base));
         Self {
             schema: STEADY_SCHEMA,
             title,
             at_rest,
-            levels: levels.collect(),
+            levels: levels(&steady.levels),
+            other_parts: levels(&steady.other_parts),
             backbone: steady.backbones.as_ref().map(backbones),
             time_sweeps: sweeps.collect(),
             wall_s: steady.wall_s,
             provenance,
         }
+    }
+}
+
+impl SteadySummary {
+    /// The branches of all levels, then the other parts, as `steady.csv` numbers them from 1.
+    pub fn parts(&self) -> impl Iterator<Item = &LevelSummary> {
+        self.levels.iter().chain(&self.other_parts)
     }
 }
 
@@ -328,6 +342,7 @@ impl LevelSummary {
             harmonics: branch.harmonics,
             truncation: branch.truncation(),
             end: TerminationSummary::of(&branch.termination),
+            start_frequency_hz: branch.points.first().map(PeriodicResponse::frequency_hz),
             end_frequency_hz: branch.points.last().map(PeriodicResponse::frequency_hz),
             finer: branch.finer.as_ref().map(|finer| UnfinishedSummary {
                 harmonics: finer.harmonics,

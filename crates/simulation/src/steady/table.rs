@@ -3,25 +3,20 @@
 use asperity_harmonic::{Branch, PeriodicResponse};
 use asperity_table::DataTable;
 
-use super::{Backbones, Steady, TimeSweep};
+use super::{Backbones, Steady, SteadyLevel, TimeSweep};
 
 /// A harmonic is a column if it exceeds this share of the fundamental at some point.
 const MATTERS: f64 = 1e-4;
 
-/// `steady.csv`: a row per point of every branch, in the order of the request, with harmonics up to the
+/// `steady.csv`: a row per point of every branch, in the order of [`Steady::parts`], with harmonics up to the
 /// highest that matters.
 pub fn steady_table(steady: &Steady, interfaces: &[&str]) -> DataTable {
-    let points: Vec<Place<'_>> = steady
-        .levels
-        .iter()
-        .enumerate()
-        .flat_map(|(index, level)| {
+    let points: Vec<Place<'_>> = (1..)
+        .zip(steady.parts())
+        .flat_map(|(branch, level)| {
             let points = level.outcome.as_ref().map_or(&[][..], |branch| &branch.points);
-            points.iter().enumerate().map(move |(number, point)| Place {
-                branch: index + 1,
-                number: number + 1,
-                point,
-            })
+            let place = move |(number, point)| Place { level, branch, number, point };
+            (1..).zip(points).map(place)
         })
         .collect();
     let column = |value: &dyn Fn(&PeriodicResponse) -> f64| -> Vec<f64> {
@@ -33,7 +28,7 @@ pub fn steady_table(steady: &Steady, interfaces: &[&str]) -> DataTable {
         .with(load_name(steady.is_base_motion), column(&|point| point.force))
         .with("frequency_hz", column(&PeriodicResponse::frequency_hz));
     let branches: Vec<&Branch> =
-        steady.levels.iter().filter_map(|level| level.outcome.as_ref().ok()).collect();
+        steady.parts().filter_map(|level| level.outcome.as_ref().ok()).collect();
     let matter = harmonics_that_matter(&branches, steady.sensors.len());
     for (sensor, name) in steady.sensors.iter().enumerate() {
         let prefix = match (name, sensor) {
@@ -57,8 +52,7 @@ pub fn steady_table(steady: &Steady, interfaces: &[&str]) -> DataTable {
             table = table.with(format!("{prefix}transmissibility_1"), column(&transmissibility));
         }
     }
-    let pressures: Vec<_> =
-        points.iter().map(|place| steady.levels[place.branch - 1].pressures(place.point)).collect();
+    let pressures: Vec<_> = points.iter().map(|place| place.level.pressures(place.point)).collect();
     for (at, name) in interfaces.iter().enumerate() {
         let ends: (Vec<f64>, Vec<f64>) = pressures
             .iter()
@@ -78,6 +72,7 @@ pub fn steady_table(steady: &Steady, interfaces: &[&str]) -> DataTable {
 
 /// A point of a branch, with the numbers of both, from 1.
 struct Place<'a> {
+    level: &'a SteadyLevel,
     branch: usize,
     number: usize,
     point: &'a PeriodicResponse,
