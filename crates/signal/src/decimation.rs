@@ -8,8 +8,8 @@ use std::ops::Range;
 /// Stopband attenuation \[dB\] of a search for peaks, and its decimated sample rate over the highest
 /// frequency kept.
 const SEARCH: (f64, f64) = (180.0, 6.0);
-/// The same of [`DecimationFilter::keeping`]: peaks to 1e-5 of the largest value, with few taps.
-const KEEPING: (f64, f64) = (100.0, 4.4);
+/// Decimated sample rate of [`DecimationFilter::keeping`] over the highest frequency kept: few taps.
+const KEPT: f64 = 4.4;
 
 /// A low-pass filter of which every `D`-th output sample is kept.
 ///
@@ -54,14 +54,20 @@ impl DecimationFilter {
         (count >= 2 * filter.taps.len()).then_some(filter)
     }
 
-    /// The filter with 100 dB of attenuation that keeps frequencies up to `high`.
+    /// The filter that keeps peaks at frequencies up to `high` within 1e-5 of the largest value.
     ///
     /// - `rate`, `high`: sample rate and highest frequency, both positive, in hertz.
     ///
     /// Below a sample rate of `8.8 high` the factor is 1 and the single tap is 1. The taps depend
     /// on the factor alone.
     pub fn keeping(rate: f64, high: f64) -> Self {
-        let (attenuation, oversampling) = KEEPING;
+        Self::keeping_within(rate, high, 1e-5)
+    }
+
+    /// As [`keeping`](Self::keeping), within `error` of the largest value, between 0.01 and 1e-9; the taps depend on
+    /// the factor and the error.
+    pub fn keeping_within(rate: f64, high: f64, error: f64) -> Self {
+        let (attenuation, oversampling) = (-20.0 * error.clamp(1e-9, 0.01).log10(), KEPT);
         let factor = (rate / (oversampling * high)).min(1e6);
         if factor < 2.0 {
             return Self { factor: 1, taps: vec![1.0] };

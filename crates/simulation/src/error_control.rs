@@ -394,8 +394,9 @@ impl ErrorControl {
         stop: &AtomicBool,
     ) -> Vec<Result<Response, SimulationError>> {
         let decimation = |index: usize, step: f64| {
-            let natural = prepared[index].at_rest.natural_frequency_hz;
-            self.extractor.decimation(natural, self.kept_hz, step)
+            let PreparedScenario { assembly, at_rest, .. } = prepared[index];
+            let natural = at_rest.natural_frequency_hz;
+            self.extractor.decimation_to(assembly.accuracy, natural, self.kept_hz, step)
         };
         let records = self.batch.run_unless(&cases, &decimation, stop);
         let response = |((case, record), prepared): ((TransientCase, _), &&PreparedScenario)| {

@@ -16,6 +16,9 @@ use crate::observables::Observables;
 use crate::prepared_scenario::PreparedScenario;
 use crate::response_parts::{ResponseParts, free_from, frequency_response, passage_to_rest};
 
+/// Error of peaks by the filter, over the largest value, unless a small accuracy is asked for.
+const FILTER_ERROR: f64 = 1e-5;
+
 /// Forces kept at a time.
 const MOST_KEPT: usize = 32;
 
@@ -24,8 +27,8 @@ const MOST_KEPT: usize = 32;
 #[derive(Debug, Default)]
 pub struct ObservableExtractor {
     filters: Mutex<Vec<Arc<Filter>>>,
-    /// The latest filter, with the frequency and the step it was made for, both in bits.
-    latest: Mutex<Option<(u64, u64, Arc<Decimation>)>>,
+    /// The latest filter, with the frequency, the step and the error it was made for, in bits.
+    latest: Mutex<Option<([u64; 3], Arc<Decimation>)>>,
     forces: Mutex<Vec<Arc<DecimatedForce>>>,
 }
 
@@ -55,17 +58,38 @@ impl ObservableExtractor {
     /// The filter for the output of a hit at `step` \[s\]: it keeps the windows in which peaks are
     /// sought about the static frequency `natural` \[Hz\], and all below `wanted` \[Hz\].
     pub fn decimation(&self, natural: Option<f64>, wanted: f64, step: f64) -> Arc<Decimation> {
+        self.decimation_within(FILTER_ERROR, natural, wanted, step)
+    }
+
+    /// The same for peaks to a relative `accuracy`: the filter's own error is a hundredth of it at most.
+    pub(crate) fn decimation_to(
+        &self,
+        accuracy: f64,
+        natural: Option<f64>,
+        wanted: f64,
+        step: f64,
+    ) -> Arc<Decimation> {
+        self.decimation_within(FILTER_ERROR.min(0.01 * accuracy), natural, wanted, step)
+    }
+
+    fn decimation_within(
+        &self,
+        error: f64,
+        natural: Option<f64>,
+        wanted: f64,
+        step: f64,
+    ) -> Arc<Decimation> {
         let options = HarmonicOptions::default();
         let band = options.fundamental_window.1 * options.second_window.1.max(1.0);
         let high = natural.map_or(f64::INFINITY, |natural| (band * natural).max(wanted));
-        let (band, bits) = (high.to_bits(), step.to_bits());
+        let key = [high, step, error].map(f64::to_bits);
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, _, decimation)) = latest.as_ref().filter(|l| (l.0, l.1) == (band, bits)) {
+        if let Some((_, decimation)) = latest.as_ref().filter(|latest| latest.0 == key) {
             return Arc::clone(decimation);
         }
-        let decimator = DecimationFilter::keeping(1.0 / step, high);
+        let decimator = DecimationFilter::keeping_within(1.0 / step, high, error);
         let mut filters = self.filters.lock().unwrap_or_else(PoisonError::into_inner);
-        let same = |filter: &&Arc<Filter>| filter.decimation.factor == decimator.factor();
+        let same = |filter: &&Arc<Filter>| filter.decimator == decimator;
         let known = filters.iter().find(same).map(|filter| Arc::clone(&filter.decimation));
         let decimation = known.unwrap_or_else(|| {
             let decimation =
@@ -73,7 +97,7 @@ impl ObservableExtractor {
             filters.push(Arc::new(Filter { decimation: Arc::clone(&decimation), decimator }));
             decimation
         });
-        *latest = Some((band, bits, Arc::clone(&decimation)));
+        *latest = Some((key, Arc::clone(&decimation)));
         decimation
     }
 

@@ -24,8 +24,8 @@ fn summary(folder: &Path) -> Value {
     serde_json::from_str(&written).unwrap()
 }
 
-/// A branch that ends before its peak has none: the answer gives the place, the reason and a request
-/// that may help, and the figure marks the end.
+/// A branch that ends before its peak has none: the answer gives the place and the reason, the part from the other end
+/// of the range, and a request that may help; the figure marks the end.
 #[test]
 fn a_branch_that_does_not_complete_has_no_peak() {
     let folder = tempfile::tempdir().unwrap();
@@ -40,13 +40,50 @@ fn a_branch_that_does_not_complete_has_no_peak() {
     for part in [
         "no peak",
         "turns back",
-        "try to start on the other side",
+        "another part of the branch, from 700.000 Hz on",
         "time integration at 740.000 Hz",
     ] {
         assert!(printed.contains(part), "{part}: {printed}");
     }
     let figure = std::fs::read_to_string(folder.path().join("out/steady.svg")).unwrap();
     assert!(figure.contains("end of the branch"));
+}
+
+/// A block whose resonance leans over the start of the range has two parts: the level has the one that covers the range,
+/// and the other, which begins and ends at the start, follows with a number of its own.
+#[test]
+fn both_parts_of_a_branch_are_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    let block = concat!(env!("CARGO_MANIFEST_DIR"), "/../simulation/examples/block.json");
+    let range = ["--amplitude", "0.2,2", "--from", "1200", "--to", "1900"];
+    let run = [&["steady", block, "--out", "out"], &range[..]].concat();
+    let output = asperity(folder.path(), &run);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let found = summary(folder.path());
+    let (levels, others) = (&found["levels"], found["other_parts"].as_array().unwrap());
+    assert_eq!((levels[0]["end"].as_str(), others.len()), (Some("reached"), 1), "{found}");
+    let (level, other) = (&levels[1], &others[0]);
+    let ends = |part: &Value| {
+        ["start_frequency_hz", "end_frequency_hz"].map(|key| part[key].as_f64().unwrap())
+    };
+    assert_eq!((level["end"].as_str(), ends(level)), (Some("reached"), [1900.0, 1200.0]));
+    assert_eq!((other["end"].as_str(), ends(other)[0]), (Some("returned"), 1200.0));
+    assert_eq!(other["force_n"], 2.0);
+    // The part from the start turns at a fold; both have the range in which no response is stable, here none.
+    let fold = other["bifurcations"].as_array().unwrap().iter().find(|one| one["kind"] == "fold");
+    assert!((1380.0..1410.0).contains(&fold.unwrap()["frequency_hz"].as_f64().unwrap()));
+    for part in [level, other] {
+        assert_eq!(part["ranges_without_stable_hz"], serde_json::json!([]));
+    }
+    let printed = text(&output.stdout);
+    assert!(printed.contains("2 N   another part of the branch, from 1200.000 Hz on"), "{printed}");
+    let table = std::fs::read_to_string(folder.path().join("out/steady.csv")).unwrap();
+    let rows = |branch: &str| table.lines().filter(|row| row.starts_with(branch)).count();
+    assert_eq!(rows("2,") as u64, level["points"].as_u64().unwrap());
+    assert_eq!(rows("3,") as u64, other["points"].as_u64().unwrap());
+    // Both have the colour of their force, which the legend names once.
+    let figure = std::fs::read_to_string(folder.path().join("out/steady.svg")).unwrap();
+    assert_eq!(figure.matches(">2 N<").count(), 1, "{figure}");
 }
 
 /// A sample condensed where contact is lost is named with the reason; pressures

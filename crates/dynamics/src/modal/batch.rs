@@ -149,8 +149,11 @@ impl Batch {
             }
         }
         while !attempts.is_empty() {
-            // Lanes of one model and one range of its tables share their constants.
-            attempts.sort_by(|a, b| a.batch_order(b).then_with(|| a.settings.cmp(&b.settings)));
+            // Lanes of one model, one range of its tables and one sensor share their constants.
+            attempts.sort_by(|a, b| {
+                let settings = || a.settings.cmp(&b.settings);
+                a.batch_order(b).then_with(settings).then(a.lane.sensor.cmp(&b.lane.sensor))
+            });
             let mut again = Vec::new();
             for compatible in attempts.chunk_by(|a, b| a.batch_order(b) == Ordering::Equal) {
                 for group in compatible.chunks(self.room()) {

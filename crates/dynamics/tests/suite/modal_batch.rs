@@ -109,6 +109,35 @@ fn a_hit_does_not_know_its_neighbours() {
     }
 }
 
+/// Hits of one model side by side, each read at a sensor of its own, are those hits alone: lanes that share the constants
+/// of a model do not share a sensor.
+#[test]
+fn hits_of_one_model_have_their_own_sensors() {
+    let structure = PreloadedStructure::new(rig(&power()), Damping::Ratio(0.035)).unwrap();
+    let counts = ModeCount::PerBody(3).counts(structure.stack()).unwrap();
+    let sensors = [0.0, 0.1, 0.2].map(|position| Port::Point { body: 0, position });
+    let model = Arc::new(ModalModel::of_stack(&structure, &counts, Port::TOP, &sensors).unwrap());
+    let hit = |n: usize| TransientCase {
+        model: Arc::clone(&model),
+        load: pulse(4.0 + (n / 3) as f64),
+        sensor: n % 3,
+        duration: 3e-3,
+        step: Some(1e-5),
+        tolerance: None,
+    };
+    let hits: Vec<TransientCase> = (0..30).map(hit).collect();
+    let every: Vec<usize> = (0..hits.len()).collect();
+    for instructions in InstructionSet::available() {
+        let together = outcomes(&hits, &every, instructions);
+        for n in 0..hits.len() {
+            let alone = outcomes(&hits, &[n], instructions).remove(0);
+            assert!(together[n] == alone, "{instructions:?}: hit {n}");
+        }
+        let [top, foot] = [0, 2].map(|n| together[n].as_ref().unwrap());
+        assert!(difference(&top.displacement, &foot.displacement) > 1e-3);
+    }
+}
+
 /// The sets differ in fused rounding only, which bounces magnify: found 7e-12 at most.
 #[test]
 fn every_instruction_set_gives_the_same_records() {

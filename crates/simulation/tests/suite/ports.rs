@@ -97,6 +97,27 @@ fn a_sweep_has_the_features_of_each_sensor() {
     }
 }
 
+/// Rows have the features that each sensor has alone, however many of its structure are integrated side by side.
+#[test]
+fn a_row_has_the_features_of_a_sensor_alone() {
+    let forces = Variation::parse("/excitation/peak_n=9:10:8").unwrap();
+    let features = |sensors: &str, columns: &[&str]| -> Vec<Vec<f64>> {
+        let found = sweep(&hit(&[("/sensors", sensors)]), std::slice::from_ref(&forces)).unwrap();
+        let row = |row| columns.iter().map(|column| found.number(row, column).unwrap()).collect();
+        (0..8).map(row).collect()
+    };
+    let foot =
+        r#"{"name": "foot", "at": {"body": "sample", "end": "lower"}, "kind": "displacement"}"#;
+    let top = r#"{"name": "top", "kind": "acceleration"}"#;
+    let receptance = "fundamental.receptance_m_per_n";
+    let both = features(&format!("[{top}, {foot}]"), &[receptance, &format!("foot:{receptance}")]);
+    let [top, foot] = [top, foot].map(|sensor| features(&format!("[{sensor}]"), &[receptance]));
+    for (row, both) in both.iter().enumerate() {
+        assert_eq!(both[..], [top[row][0], foot[row][0]], "row {row}");
+        assert!(both[1] < 0.7 * both[0], "row {row}: {both:?}");
+    }
+}
+
 /// Varying the place of the force moves the force: at the upper end it is the default.
 #[test]
 fn the_place_of_the_force_can_be_varied() {

@@ -61,7 +61,10 @@ impl BlockRun<'_> {
     #[inline(always)]
     fn on<S: TableLookup>(self, simd: S) -> Vec<Outcome> {
         let Some((first, others)) = self.lanes.split_first() else { return Vec::new() };
-        let uniform = others.iter().all(|lane| Arc::ptr_eq(&lane.tabulated, &first.tabulated));
+        // Constants of all lanes are those of the first: the model with its tables, and the sensor that is read.
+        let uniform = others.iter().all(|lane| {
+            Arc::ptr_eq(&lane.tabulated, &first.tabulated) && lane.sensor == first.sensor
+        });
         match (first.model.rows(), first.model.is_dissipative()) {
             (1 | 2, true) => self.with::<S, Dissipative<S::f64s>, 2>(simd),
             (3 | 4, true) => self.with::<S, Dissipative<S::f64s>, 4>(simd),
