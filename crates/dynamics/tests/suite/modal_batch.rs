@@ -129,9 +129,9 @@ fn hits_of_one_model_have_their_own_sensors() {
     let every: Vec<usize> = (0..hits.len()).collect();
     for instructions in InstructionSet::available() {
         let together = outcomes(&hits, &every, instructions);
-        for n in 0..hits.len() {
+        for (n, found) in together.iter().enumerate() {
             let alone = outcomes(&hits, &[n], instructions).remove(0);
-            assert!(together[n] == alone, "{instructions:?}: hit {n}");
+            assert!(*found == alone, "{instructions:?}: hit {n}");
         }
         let [top, foot] = [0, 2].map(|n| together[n].as_ref().unwrap());
         assert!(difference(&top.displacement, &foot.displacement) > 1e-3);

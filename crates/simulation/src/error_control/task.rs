@@ -342,12 +342,19 @@ impl<'a> Task<'a> {
             (true, false) => 0.75,
             (true, true) => 0.5,
         };
-        ErrorEstimate::new(
-            fine.observables.all(),
-            other.observables.all(),
-            divisor,
-            self.accuracy(),
-        )
+        let (found, other) = (fine.observables.all(), other.observables.all());
+        let found = ErrorEstimate::new(found, other, divisor, self.accuracy());
+        // Two responses with wrong phases may agree by chance, three hardly.
+        match &self.by_longer_step {
+            Some(longer) => found.larger(longer.scaled(HALF_STEP)),
+            None => found,
+        }
+    }
+
+    /// Keeps the errors by equal steps for the level of half the step.
+    fn keep_step_errors(&mut self, by_step: &ErrorEstimate) {
+        let is_known = by_step.relative.is_finite() && !self.varies_steps();
+        self.by_longer_step = is_known.then(|| by_step.clone());
     }
 
     /// Errors by the truncation of modes, of third order in their number; with loss of contact or
@@ -496,11 +503,6 @@ impl<'a> Task<'a> {
             Some(Ok(fine)) => {
                 self.failures = 0;
                 let by_step = self.step_errors(&fine);
-                // Two responses with wrong phases may agree by chance, and not three.
-                let by_step = match &self.by_longer_step {
-                    Some(longer) => by_step.larger(longer.scaled(HALF_STEP)),
-                    None => by_step,
-                };
                 let by_modes = match (self.truncation.take(), &self.fewer) {
                     (Some((_, known)), None) => known,
                     _ => self.truncation_errors(&fine),
@@ -541,8 +543,7 @@ impl<'a> Task<'a> {
                 let add_modes = exceeds(&by_modes, count_share) && self.may_add_modes(&work);
                 let diverged = self.diverged.take();
                 if halve {
-                    let is_known = by_step.relative.is_finite() && !self.varies_steps();
-                    self.by_longer_step = is_known.then(|| by_step.clone());
+                    self.keep_step_errors(&by_step);
                 }
                 if diverged.is_none() && halve && self.is_slow(&work, by_step.relative) {
                     let modes = self.level.modes + i32::from(add_modes);
