@@ -95,7 +95,7 @@ fn peaks(page: Report, summary: &SteadySummary) -> Report {
         LevelSummary::Solved(branch) => {
             let number = |value: Option<f64>| TableCell::from(value.unwrap_or(f64::NAN));
             let is_other = index >= summary.levels.len();
-            let other = is_other.then(|| steady_words::other_part(branch)).unwrap_or_default();
+            let other = if is_other { steady_words::other_part(branch) } else { String::new() };
             let mut remarks = vec![other + &steady_words::end(branch)];
             if !branch.peak_is_inside {
                 remarks.push("no peak; the numbers are the largest computed".to_owned());
