@@ -388,11 +388,12 @@ fn level<S: Shaken>(
             std::mem::swap(&mut first, part);
         }
     }
-    let parts = [Some(&first), second.as_ref()].into_iter().flatten();
-    let branches = parts.filter_map(|part| part.outcome.as_ref().ok());
+    let [branch, other_part] = [Some(&first), second.as_ref()]
+        .map(|part| part.and_then(|part| part.outcome.as_ref().ok()));
+    let branches = [branch, other_part].into_iter().flatten();
     let ranges = Branch::ranges_without_stable(branches, from, to);
     let motions = S::motions(assembly, force_n, &ranges);
-    let check = match first.outcome.as_ref().ok().and_then(TimeCheck::place) {
+    let check = match branch.and_then(|branch| TimeCheck::place(branch, other_part)) {
         Some(peak) if request.verify => Some(S::time_check(assembly, peak)?),
         _ => None,
     };

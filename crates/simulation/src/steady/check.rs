@@ -70,14 +70,20 @@ impl TimeCheck {
         (!kept).then_some(Warning::NotKept { frequency_hz, relative_difference, scatter })
     }
 
-    /// The highest stable response at a frequency that the branch meets only once, its peak unless
-    /// it leans over. Elsewhere integration from rest may settle on
+    /// The highest stable response at a frequency that the branch, with its other part, meets only once, its peak
+    /// unless it leans over. Elsewhere integration from rest may settle on
     /// another response.
-    pub(super) fn place(branch: &Branch) -> Option<&PeriodicResponse> {
-        let frequencies: Vec<f64> =
-            branch.points.iter().map(PeriodicResponse::frequency_hz).collect();
+    pub(super) fn place<'a>(
+        branch: &'a Branch,
+        other_part: Option<&Branch>,
+    ) -> Option<&'a PeriodicResponse> {
+        let parts = [Some(branch), other_part].map(|part| -> Vec<f64> {
+            let points = part.map_or(&[][..], |part| &part.points);
+            points.iter().map(PeriodicResponse::frequency_hz).collect()
+        });
         let crossings = |f: f64| {
-            frequencies.windows(2).filter(|pair| (pair[0] - f) * (pair[1] - f) < 0.0).count()
+            let pairs = parts.iter().flat_map(|frequencies| frequencies.windows(2));
+            pairs.filter(|pair| (pair[0] - f) * (pair[1] - f) < 0.0).count()
         };
         // A located peak lies within a step, a point between two.
         let peaks = branch.of_kind(SpecialPointKind::Peak).map(|peak| (peak, 1));
