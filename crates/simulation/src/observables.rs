@@ -8,7 +8,7 @@ use crate::accuracy::ErrorEstimate;
 use crate::assemble::{Assembly, Interfaces};
 use crate::error::SimulationError;
 use crate::quantity::{Observable, Quantity, Values};
-use crate::response_parts::{ResponseParts, frequency_response};
+use crate::response_parts::{ResponseParts, history_response};
 pub use crate::response_parts::{displacement_to_rest, free_from};
 use crate::static_state::StaticSummary;
 use crate::warning::Warning;
@@ -52,7 +52,7 @@ impl Observables {
         let displacement = &history.sensors[sensor].displacement;
         let mut features = ReceptanceFeatures::default();
         if let Some(natural) = at_rest.natural_frequency_hz
-            && let Some(response) = frequency_response(
+            && let Some(response) = history_response(
                 &history.load,
                 displacement,
                 rate,

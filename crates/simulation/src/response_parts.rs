@@ -124,6 +124,26 @@ pub(crate) fn frequency_response(
     FrequencyResponse::from_displacement(force, &displacement, rate).map(Some)
 }
 
+/// [`frequency_response`] of a history at the output rate. A sum over `n` samples at times `k dt` is the integral up to
+/// `(n - 1/2) dt`, which moves the ripples of a record that ends while it rings. Half of the sample at the end of the
+/// duration, on the line through the last two, is added: to second order the sum is the integral up to `n dt`, at any rate.
+pub(crate) fn history_response(
+    force: &[f64],
+    displacement: &[f64],
+    rate: f64,
+    has_friction: bool,
+) -> Result<Option<FrequencyResponse>, SignalError> {
+    let to_end = |samples: &[f64]| {
+        let end = match samples {
+            [.., before, last] => last - 0.5 * before,
+            _ => 0.0,
+        };
+        samples.iter().copied().chain([end]).collect::<Vec<f64>>()
+    };
+    let displacement = displacement_to_rest(displacement, has_friction);
+    frequency_response(&to_end(force), &to_end(&displacement), rate, false)
+}
+
 /// The displacement less a smooth passage from zero to its last value over the record, where friction may hold
 /// a structure away from its equilibrium.
 ///
@@ -160,6 +180,40 @@ mod tests {
     use asperity_signal::{Complex64, transform_at};
 
     use super::*;
+
+    /// A record that ends while it rings: its receptance is that of the integral over the duration, in closed form, to
+    /// second order; without the end it is to first order.
+    #[test]
+    fn a_history_reaches_to_its_end() {
+        let (duration, decay, frequency) = (0.18, 4.1, 113.0);
+        let pole = Complex64::new(-decay, TAU * frequency);
+        let at = 224.0;
+        let w = Complex64::new(0.0, TAU * at);
+        let part = |pole: Complex64| (((pole - w) * duration).exp() - 1.0) / (pole - w);
+        let exact = (part(pole) - part(pole.conj())) / Complex64::new(0.0, 2.0);
+        let off = |rate: f64, reaches: bool| {
+            let count = (duration * rate).round() as usize;
+            let ring = |n: usize| {
+                let time = n as f64 / rate;
+                (-decay * time).exp() * (TAU * frequency * time).sin()
+            };
+            let displacement: Vec<f64> = (0..count).map(ring).collect();
+            let mut force = vec![0.0; count];
+            force[0] = rate;
+            let response = if reaches { history_response } else { frequency_response };
+            let found = response(&force, &displacement, rate, false).unwrap().unwrap();
+            (found.receptance_at(at) - exact).norm() / exact.norm()
+        };
+        for rate in [1e4, 2e4, 4e4] {
+            let [coarse, fine] = [rate, 2.0 * rate].map(|rate| off(rate, true));
+            let order = (coarse / fine).log2();
+            let of_sum = (off(rate, false) / off(2.0 * rate, false)).log2();
+            assert!((1.9..2.4).contains(&order), "{rate}: {coarse} {fine}");
+            assert!((0.95..1.05).contains(&of_sum), "{rate}: {of_sum}");
+        }
+        // Found 0.208 and 0.0106.
+        assert!(off(1e4, false) > 0.2 && off(1e4, true) < 0.012, "{}", off(1e4, true));
+    }
 
     /// A decay to a displacement that remains, against the sum over all samples with the last one repeated for ever, a
     /// geometric series.

@@ -18,7 +18,7 @@ use crate::finite_differences::integrate;
 use crate::observables::Observables;
 use crate::prepared_scenario::PreparedScenario;
 use crate::provenance::Provenance;
-use crate::response_parts::frequency_response;
+use crate::response_parts::history_response;
 use crate::summary::{Numerics, Summary};
 
 /// Zero padding of the FRF that is written and drawn.
@@ -148,8 +148,7 @@ pub fn receptance<S: Interfaces>(
     let (history, rate) = (&run.transient.history, run.assembly.sampling.rate());
     let displacement = &history.sensors[sensor].displacement;
     let has_friction = run.assembly.structure.has_friction();
-    let Some(response) = frequency_response(&history.load, displacement, rate, has_friction)?
-    else {
+    let Some(response) = history_response(&history.load, displacement, rate, has_friction)? else {
         return Ok(None);
     };
     let mut frf = response.receptance(FRF_PADDING);
