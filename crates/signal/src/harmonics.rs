@@ -42,6 +42,9 @@ pub struct HarmonicOptions {
     /// The default 4 just exceeds their height from trough to crest.
     /// A record that has decayed is not affected.
     pub leakage_margin: f64,
+    /// Time \[s\] at the end of the record in which a filter runs out: `x_end` is the largest sample of the period
+    /// before it and of this time. Zero by default.
+    pub run_out_s: f64,
     /// Smallest magnitude of the force's transform at a peak, over its largest from zero to the end
     /// of the search.
     ///
@@ -58,6 +61,7 @@ impl Default for HarmonicOptions {
             padding: 4,
             minimum_prominence: 1e-3,
             leakage_margin: 4.0,
+            run_out_s: 0.0,
             force_threshold: 0.02,
         }
     }
@@ -250,7 +254,7 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         }
         let value = self.response.receptance_at(frequency_hz);
         let magnitude = value.norm();
-        let ripple = self.response.ripple(frequency_hz, period);
+        let ripple = self.response.ripple(frequency_hz, period + self.options.run_out_s);
         let height = magnitude - saddle;
         let beside = masked.iter().map(|&stronger| leakage_beside(stronger, frequency_hz));
         let leakage = ripple.leakage * beside.fold(1.0, f64::max);

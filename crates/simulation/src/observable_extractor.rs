@@ -198,7 +198,9 @@ impl ObservableExtractor {
         let mut features = ReceptanceFeatures::default();
         let natural = prepared.at_rest.natural_frequency_hz;
         if let (Some(natural), Some((force, factor))) = (natural, self.force(hit, record)) {
-            let (options, displacement) = (HarmonicOptions::default(), force.to_rest(record));
+            let run_out_s = record.decimation.taps.len() as f64 * record.step;
+            let options = HarmonicOptions { run_out_s, ..HarmonicOptions::default() };
+            let displacement = force.to_rest(record);
             let shared = force.shared.as_ref();
             let found = shared.and_then(|s| s.analyse(&displacement, factor, natural, &options));
             let found = if let Some(found) = found {
