@@ -128,10 +128,15 @@ def test_steady_responses_show_their_stability() -> None:
     expected = ["0.2 N", "2 N", "fold", "end of the branch", "phase resonance", "damped mode"]
     expected.append("time integration, up")
     assert labels == expected
-    # The branch with a fold: stable, then unstable from the fold on.
-    branch = found.points["branch"] == 2
+    # Beside the branch that covers the range, its other part with a fold: stable, then unstable from the fold on.
+    ends = [[part["end"] for part in found.summary[key]] for key in ("levels", "other_parts")]
+    assert ends == [["reached", "reached"], ["returned"]]
+    branch = found.points["branch"] == 3
+    assert set(found.special_points["branch"]) == {3}
     parts = [line for line in ax.lines if line.get_color() == ax.get_legend().get_lines()[1].get_color()]
-    stable, unstable = parts[:2]
+    whole, stable, unstable = parts[:3]
+    assert whole.get_linestyle() == "-"
+    assert len(whole.get_xdata()) == np.count_nonzero(found.points["branch"] == 2)
     assert (stable.get_linestyle(), unstable.get_linestyle()) == ("-", "--")
     assert len(unstable.get_xdata()) == np.count_nonzero(found.points["stable"][branch] == 0)
     assert stable.get_xdata()[-1] == unstable.get_xdata()[0]

@@ -74,13 +74,18 @@ class SteadyResponses(Result):
         return Table(columns)
 
     @property
+    def _parts(self) -> list[dict[str, Any]]:
+        """The branches as ``points`` numbers them: of all forces, then the other parts."""
+        return [*self.summary["levels"], *self.summary["other_parts"]]
+
+    @property
     def special_points(self) -> Table:
         """Bifurcations along the branches: ``branch``, ``force_n`` or ``base_acceleration_m_per_s2``,
         ``kind``, ``frequency_hz``, ``amplitude_1_m``; kinds are ``fold``, ``period_doubling``,
         ``neimark_sacker`` and ``branch_point``."""
         found = [
             (number, level[self._load], point)
-            for number, level in enumerate(self.summary["levels"], start=1)
+            for number, level in enumerate(self._parts, start=1)
             for point in level.get("bifurcations", ())
         ]
         return Table(

@@ -641,12 +641,13 @@ def _branches(found: SteadyResponses, ax: Axes | None, line: dict[str, Any]) -> 
     unit = "N" if drive == "force_n" else "m/s²"
     numbers = np.unique(points["branch"])
     forces = [float(points[drive][points["branch"] == number][0]) for number in numbers]
-    ramp = _asperity.palette(len(numbers))[1]
-    for number, force, color in zip(numbers, forces, ramp):
-        of = points["branch"] == number
+    # All parts of the branch of a force have its colour, and the first its name.
+    colors = dict(zip(dict.fromkeys(forces), _asperity.palette(len(set(forces)))[1]))
+    for place, (number, force) in enumerate(zip(numbers, forces)):
+        of, color = points["branch"] == number, colors[force]
         frequency, amplitude = points["frequency_hz"][of], 1e6 * points["amplitude_1_m"][of]
         unstable = points["stable"][of] == 0
-        label: str | None = f"{force:g} {unit}"
+        label = None if force in forces[:place] else f"{force:g} {unit}"
         # Parts of equal stability; each ends with the first point of the next.
         edges = [0, *(np.flatnonzero(np.diff(unstable)) + 1).tolist(), unstable.size]
         for start, end in zip(edges, edges[1:]):
@@ -667,7 +668,7 @@ def _branches(found: SteadyResponses, ax: Axes | None, line: dict[str, Any]) -> 
     if ends.size:
         at = (points["frequency_hz"][ends], 1e6 * points["amplitude_1_m"][ends])
         axes.plot(*at, "x", color="black", markersize=4, label="contact lost")
-    levels = {level for level, one in enumerate(found.summary["levels"], 1) if one.get("end") != "reached"}
+    levels = {level for level, one in enumerate(found._parts, 1) if one.get("end") != "reached"}
     last = np.flatnonzero(np.append(np.diff(points["branch"]) != 0, True))
     last = last[[int(number) in levels for number in points["branch"][last]]]
     if last.size:
@@ -680,7 +681,7 @@ def _branches(found: SteadyResponses, ax: Axes | None, line: dict[str, Any]) -> 
                 at = (found.backbones["frequency_hz"][of], 1e6 * found.backbones["amplitude_1_m"][of])
                 axes.plot(*at, color="black", linestyle=dash, label=name)
     if found.time_sweeps is not None:
-        _stepped(found.time_sweeps, axes, dict(zip(forces, ramp)))
+        _stepped(found.time_sweeps, axes, colors)
     axes.set(xlabel="Frequency (Hz)", ylabel="Amplitude u$_{1}$ (µm)")
     if ax is None:
         low, high = points["frequency_hz"].min(), points["frequency_hz"].max()
