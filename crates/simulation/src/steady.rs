@@ -165,8 +165,8 @@ pub struct Backbones {
 pub struct Steady {
     /// The levels, in the order of the request.
     pub levels: Vec<SteadyLevel>,
-    /// Where a branch from one end of the range leaves it there, the branch from its other end, if there is one: the
-    /// level has the one of the two that covers the range, or else that from the start.
+    /// The branch from the other end of the range, for each that leaves the range where it came in: the level has the
+    /// one of the two that covers the range, or else that from the start.
     pub other_parts: Vec<SteadyLevel>,
     /// The backbones, if requested.
     pub backbones: Option<Backbones>,
