@@ -1,6 +1,8 @@
 //! Search for the fundamental and the second harmonic.
 
-use crate::oscillator::{Mode, hammer_pulse, hit, integrated, maximum, sampled_slope};
+use crate::oscillator::{
+    Mode, hammer_pulse, hit, impulse_response, integrated, maximum, sampled_slope,
+};
 use asperity_signal::{FrequencyResponse, HarmonicOptions, Harmonics, find_harmonics};
 use std::f64::consts::{PI, TAU};
 
@@ -92,6 +94,25 @@ fn leakage_ripples_are_not_peaks() {
         assert!(found.fundamental.is_some());
         assert_eq!(found.second, None, "{count} samples");
         mistaken += usize::from(find_harmonics(&hit, 850.0, &careless).second.is_some());
+    }
+    assert!(mistaken > 10, "the ripples are there: {mistaken} of 20");
+}
+
+/// A record behind whose end a filter runs out, here in zeros for longer than a period, hides the size of its end in its
+/// last period: ripples are no peaks once that time is given.
+#[test]
+fn ripples_are_told_apart_before_a_filter_runs_out() {
+    const RUN_OUT: usize = 200;
+    let run_out_s = RUN_OUT as f64 / RATE;
+    let told = HarmonicOptions { run_out_s, ..HarmonicOptions::default() };
+    let mut mistaken = 0;
+    for count in (1800..2200).step_by(20) {
+        let (force, displacement) = impulse_response(&[FIRST], RATE, count);
+        let [force, displacement] = [force, displacement]
+            .map(|samples| -> Vec<f64> { samples.into_iter().chain([0.0; RUN_OUT]).collect() });
+        let hit = FrequencyResponse::from_displacement(&force, &displacement, RATE).unwrap();
+        assert_eq!(find_harmonics(&hit, 850.0, &told).second, None, "{count} samples");
+        mistaken += usize::from(search(&hit).second.is_some());
     }
     assert!(mistaken > 10, "the ripples are there: {mistaken} of 20");
 }
