@@ -124,24 +124,26 @@ pub(crate) fn frequency_response(
     FrequencyResponse::from_displacement(force, &displacement, rate).map(Some)
 }
 
-/// [`frequency_response`] of a history at the output rate. A sum over `n` samples at times `k dt` is the integral up to
-/// `(n - 1/2) dt`, which moves the ripples of a record that ends while it rings. Half of the sample at the end of the
-/// duration, on the line through the last two, is added: to second order the sum is the integral up to `n dt`, at any rate.
+/// [`frequency_response`] of a history at the output rate, [to its end](to_end).
 pub(crate) fn history_response(
     force: &[f64],
     displacement: &[f64],
     rate: f64,
     has_friction: bool,
 ) -> Result<Option<FrequencyResponse>, SignalError> {
-    let to_end = |samples: &[f64]| {
-        let end = match samples {
-            [.., before, last] => last - 0.5 * before,
-            _ => 0.0,
-        };
-        samples.iter().copied().chain([end]).collect::<Vec<f64>>()
-    };
     let displacement = displacement_to_rest(displacement, has_friction);
     frequency_response(&to_end(force), &to_end(&displacement), rate, false)
+}
+
+/// Samples of a history to the end of its duration. A sum over `n` samples at times `k dt` is the integral up to
+/// `(n - 1/2) dt`, which moves the ripples of a record that ends while it rings. Half of the sample at the end of the
+/// duration, on the line through the last two, is added: to second order the sum is the integral up to `n dt`, at any rate.
+pub(crate) fn to_end(samples: &[f64]) -> Vec<f64> {
+    let end = match samples {
+        [.., before, last] => last - 0.5 * before,
+        _ => 0.0,
+    };
+    samples.iter().copied().chain([end]).collect()
 }
 
 /// The displacement less a smooth passage from zero to its last value over the record, where friction may hold

@@ -9,6 +9,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use crate::error::SimulationError;
+use crate::response_parts::to_end;
 
 /// One input of a row: the places of the scenario that take its value.
 pub type Places = Vec<String>;
@@ -138,15 +139,18 @@ fn deserialised<T: DeserializeOwned>(value: Value) -> Result<T, SimulationError>
     serde_json::from_value(value).map_err(|error| SimulationError::Scenario(error.to_string()))
 }
 
-/// Receptance of the first sensor at the frequencies \[Hz\] below half of the sample rate, from a history.
+/// Receptance of the first sensor at `frequencies` \[Hz\], from a history [to its end](to_end); NaN from half of the
+/// sample rate on.
 pub(crate) fn receptance_of(history: &History, rate: f64, frequencies: &[f64]) -> Vec<Complex64> {
-    let receptance = |frequency: &f64| {
-        let [response, force] = [&history.sensors[0].displacement, &history.load]
-            .map(|samples| transform_at(samples, rate, *frequency));
+    let samples = [&history.sensors[0].displacement, &history.load].map(|samples| to_end(samples));
+    let receptance = |&frequency: &f64| {
+        if frequency >= 0.5 * rate {
+            return Complex64::new(f64::NAN, f64::NAN);
+        }
+        let [response, force] = samples.each_ref().map(|all| transform_at(all, rate, frequency));
         response / force
     };
-    let known = |frequency: &&f64| **frequency < 0.5 * rate;
-    frequencies.iter().take_while(known).map(receptance).collect()
+    frequencies.iter().map(receptance).collect()
 }
 
 /// Magnitudes of a receptance at `frequencies`; NaN where it is not known.

@@ -246,10 +246,7 @@ impl PatchSystem {
 impl PatchResponse {
     /// Receptance of the first sensor \[m/N\] at `frequencies` \[Hz\]; NaN from half of the sample rate on.
     pub fn receptance(&self, frequencies: &[f64]) -> Vec<Complex64> {
-        let (history, rate) = (&self.transient.history, self.rate());
-        let unknown = Complex64::new(f64::NAN, f64::NAN);
-        let at = |frequency| receptance_of(history, rate, &[frequency]).pop().unwrap_or(unknown);
-        frequencies.iter().copied().map(at).collect()
+        receptance_of(&self.transient.history, self.rate(), frequencies)
     }
 
     /// Displacement of the first sensor \[m\] after the force, whose peak is `peak` \[N\], and its sample rate \[Hz\].
