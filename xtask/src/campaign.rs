@@ -14,6 +14,7 @@
 //! | [`random_scenario`] | random but sensible scenarios |
 //! | [`answer`] | observables of an engine's answer, and distances in tolerances |
 //! | [`judgement`] | classes of answers, by agreement or by refined runs |
+//! | [`stated`] | the errors that answers state, against finer runs |
 //! | [`steady`] | harmonic balance against exact and integrated responses |
 //! | [`structure`] | structures of matrices against their equations on all rows |
 //! | [`linear_oracle`] | exact linear response of a stack |
@@ -27,6 +28,7 @@ mod judgement;
 mod linear_oracle;
 mod random_scenario;
 mod report;
+mod stated;
 mod steady;
 mod structure;
 
@@ -41,6 +43,7 @@ use rayon::prelude::*;
 
 use judgement::{Case, Class, Judgement};
 use random_scenario::RandomScenario;
+use stated::StatedErrors;
 use steady::SteadyJudgement;
 
 /// Options of `cargo xtask campaign`.
@@ -70,6 +73,8 @@ struct Judged {
     judgement: Judgement,
     /// Judgements of the state at rest and of steady responses.
     steady: Vec<SteadyJudgement>,
+    /// Errors over the stated ones, where they were compared.
+    stated: Option<StatedErrors>,
     seconds: f64,
 }
 
@@ -89,8 +94,8 @@ impl Judged {
     }
 }
 
-/// Steady responses are judged for every scenario of this many.
-const STEADY_EVERY: u64 = 4;
+/// Steady responses, and stated errors, are judged for every scenario of this many.
+const EVERY: u64 = 4;
 
 /// Carries out the task; true if no answer is silently wrong.
 pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
@@ -133,14 +138,16 @@ fn judge_random(arguments: &Arguments, folder: &Path) -> Result<Vec<Judged>> {
                 .scenario()
                 .with_context(|| format!("the scenario {} is not valid", path.display()))?;
             let judgement = Case { document: &document, scenario: &scenario }.judge();
-            let mut steady = match number % STEADY_EVERY {
-                0 => steady::judge(&document, &scenario, seed, number),
-                _ => Vec::new(),
-            };
+            let (mut steady, mut stated) = (Vec::new(), None);
+            match number % EVERY {
+                0 => steady = steady::judge(&document, &scenario, seed, number),
+                1 => stated = StatedErrors::of(&document, &scenario),
+                _ => (),
+            }
             steady.extend(structure::judge(folder, seed, number));
             let seconds = started.elapsed().as_secs_f64();
             let judged =
-                Judged { name: format!("seed{seed}-{number}"), judgement, steady, seconds };
+                Judged { name: format!("seed{seed}-{number}"), judgement, steady, stated, seconds };
             bar.inc(1);
             if bar.is_hidden() {
                 eprintln!("{}", judged.line());

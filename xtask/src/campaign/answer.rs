@@ -1,5 +1,6 @@
 //! Answers of an engine as `summary.json` states them, and their distance in tolerances.
 
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use anyhow::Result;
@@ -109,6 +110,8 @@ impl Observable {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Answer {
     pub(super) observables: Vec<Observable>,
+    /// Estimated errors by the name of their observable.
+    pub(super) stated: BTreeMap<String, f64>,
     /// Statements of the answer that its numbers may be wrong.
     pub(super) reservations: Vec<String>,
     /// Integration step \[s\].
@@ -160,8 +163,12 @@ impl Answer {
             let name = format!("interfaces.{name}.{key}");
             observables.push(Observable::new(name, Kind::Stiffness, of_contact(key)));
         }
+        let errors = summary["accuracy"]["errors"].as_object().into_iter().flatten();
         Self {
             observables,
+            stated: errors
+                .filter_map(|(name, error)| Some((name.clone(), error.as_f64()?)))
+                .collect(),
             reservations: reservations(summary),
             step_s: number("/numerics/step_s").unwrap_or(f64::NAN),
             modes_per_body: most_modes(summary),

@@ -34,7 +34,7 @@ pub(super) fn judge(folder: &Path) -> Result<Vec<Judged>> {
         let scenario = document.scenario()?;
         let judgement = Case { document: &document, scenario: &scenario }.judge_by(truth);
         let seconds = started.elapsed().as_secs_f64();
-        Ok(Judged { name, judgement, steady: Vec::new(), seconds })
+        Ok(Judged { name, judgement, steady: Vec::new(), stated: None, seconds })
     };
     scenarios(folder)?.into_par_iter().map(judge_one).collect()
 }

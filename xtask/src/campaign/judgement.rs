@@ -336,6 +336,8 @@ fn confirmed(mut truth: Vec<TrueValue>, coarse: &[Outcome; 2]) -> Vec<TrueValue>
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use super::*;
 
     fn answer(frequency: f64, ratio: Option<f64>, reservations: &[&str]) -> Answer {
@@ -344,6 +346,7 @@ mod tests {
                 Observable::new("f", Kind::Frequency, Some(frequency)),
                 Observable::new("r", Kind::Ratio, ratio),
             ],
+            stated: BTreeMap::new(),
             reservations: reservations.iter().map(|&text| text.to_owned()).collect(),
             step_s: 1e-5,
             modes_per_body: 3,

@@ -9,6 +9,7 @@ use serde_json::json;
 use super::Judged;
 use super::answer::Kind;
 use super::judgement::{Class, EngineJudgement};
+use super::stated::StatedErrors;
 use super::steady::{AMPLITUDE, LINEAR};
 
 /// Engines in the order of the report.
@@ -59,6 +60,7 @@ pub(super) fn write(folder: &Path, title: &str, judged: &[Judged], seconds: f64)
                 "refinements": one.judgement.refinements,
                 "undecided": undecided(one),
                 "steady": one.steady,
+                "stated_errors": one.stated,
                 "wall_s": one.seconds,
             })
         })
@@ -99,6 +101,13 @@ pub(super) fn write(folder: &Path, title: &str, judged: &[Judged], seconds: f64)
             .paragraph(paragraph)
             .table(headers, steady_counts(judged))
             .table(["scenario", "of", "class", "error", "remark"], rows);
+    }
+    if let Some(totals) = stated_totals(judged) {
+        let headers = ["scenario", "observable", "error over the stated", "relative error"];
+        report = report
+            .section("Stated errors of modal answers")
+            .paragraph(format!("{totals}. Compared with runs to an accuracy of 1e-4."))
+            .table(headers, stated_rows(judged));
     }
     for class in [Class::SilentlyWrong, Class::NamedWrong] {
         let rows = wrong_rows(judged, class);
@@ -208,6 +217,39 @@ fn steady_rows(judged: &[Judged]) -> Vec<Vec<TableCell>> {
     rows
 }
 
+/// Names and stated errors of the answers whose errors were compared, the largest ratio first.
+fn stated(judged: &[Judged]) -> Vec<(&str, &StatedErrors)> {
+    let compared = judged.iter().filter_map(|one| Some((one.name.as_str(), one.stated.as_ref()?)));
+    let mut compared: Vec<_> = compared.collect();
+    compared.sort_by(|(_, one), (_, other)| other.ratio.total_cmp(&one.ratio));
+    compared
+}
+
+/// How the errors of answers compare with the stated ones, in words.
+fn stated_totals(judged: &[Judged]) -> Option<String> {
+    let ratios: Vec<f64> = stated(judged).iter().map(|(_, one)| one.ratio).collect();
+    let (largest, median) = (ratios.first()?, ratios[ratios.len() / 2]);
+    let within = |limit: f64| ratios.iter().filter(|&&ratio| ratio <= limit).count();
+    Some(format!(
+        "{} answers: largest error over the stated one {} at the median, {} at most; within it {}, within \
+         twice it {}",
+        ratios.len(),
+        four_digits(median),
+        four_digits(*largest),
+        within(1.0),
+        within(2.0)
+    ))
+}
+
+/// Answers with an error beyond the stated one.
+fn stated_rows(judged: &[Judged]) -> Vec<Vec<TableCell>> {
+    let beyond = stated(judged).into_iter().take_while(|(_, one)| one.ratio > 1.0);
+    let row = |(name, one): (&str, &StatedErrors)| {
+        vec![name.into(), one.observable.as_str().into(), one.ratio.into(), one.relative.into()]
+    };
+    beyond.map(row).collect()
+}
+
 /// Prints the classes and every silently wrong answer.
 pub(super) fn print(title: &str, judged: &[Judged], folder: &Path, seconds: f64) {
     println!("campaign: {title}, {seconds:.0} s: {}", folder.join("report.md").display());
@@ -219,6 +261,9 @@ pub(super) fn print(title: &str, judged: &[Judged], folder: &Path, seconds: f64)
     }
     for (of, class, count) in steady_totals(judged) {
         println!("{of}: {} {count}", class.words());
+    }
+    if let Some(totals) = stated_totals(judged) {
+        println!("stated errors of modal answers: {totals}");
     }
     for one in judged {
         for steady in one.steady.iter().filter(|steady| steady.class == Class::SilentlyWrong) {
