@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use asperity_signal::HarmonicOptions;
 use asperity_simulation::summary::{Amplitude, Summary};
 
 /// Error over value up to which a number of a response that depends on rounding is stated.
@@ -20,6 +21,7 @@ pub fn run_words(summary: &Summary) -> String {
             summary.accuracy.as_ref().and_then(|accuracy| accuracy.errors.get(name)?.as_f64());
         !summary.sensitive || error.is_some_and(|error| error <= STATED * value.abs())
     };
+    let windows = HarmonicOptions::default();
     let undetermined = || "not determined, depends on rounding".to_owned();
     match &summary.fundamental {
         Some(f) if !stated("fundamental.frequency_hz", f.frequency_hz) => {
@@ -38,7 +40,10 @@ pub fn run_words(summary: &Summary) -> String {
                 line("damping (half power)", format!("{:.2} %", 100.0 * ratio));
             }
         }
-        None => line("fundamental", "no peak".to_owned()),
+        None => {
+            let natural = summary.at_rest.natural_frequency_hz;
+            line("fundamental", no_peak(&summary.masked_hz, natural, windows.fundamental_window));
+        }
     }
     match &summary.second_harmonic {
         Some(_) if !stated("harmonic_ratio", summary.harmonic_ratio.unwrap_or(f64::NAN)) => {
@@ -48,7 +53,10 @@ pub fn run_words(summary: &Summary) -> String {
             let ratio = summary.harmonic_ratio.unwrap_or(f64::NAN);
             line("second harmonic", format!("{:.2} Hz, A2/A1 = {ratio:.4}", s.frequency_hz));
         }
-        None => line("second harmonic", "no peak".to_owned()),
+        None => {
+            let first = summary.fundamental.map(|first| first.frequency_hz);
+            line("second harmonic", no_peak(&summary.masked_hz, first, windows.second_window));
+        }
     }
     for contact in &summary.interfaces {
         let (low, high) = (contact.pressure_min_pa / 1e6, contact.pressure_max_pa / 1e6);
@@ -77,4 +85,30 @@ pub fn run_words(summary: &Summary) -> String {
     let numerics = &summary.numerics;
     line("run", format!("{} steps in {:.3} s", numerics.steps, numerics.wall_s));
     lines.concat()
+}
+
+/// What stands in the place of a peak in a window about a frequency \[Hz\]: the highest maximum in it that the force
+/// is too weak for, if there is one.
+fn no_peak(masked_hz: &[f64], about: Option<f64>, (low, high): (f64, f64)) -> String {
+    let in_window =
+        |hz: &&f64| about.is_some_and(|about| **hz > low * about && **hz < high * about);
+    match masked_hz.iter().find(in_window) {
+        Some(hz) => format!("no peak; the force is too weak for the maximum at {hz:.2} Hz"),
+        None => "no peak".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_masked_maximum_is_named_in_its_window() {
+        let masked = [300.0, 810.0, 1700.0];
+        let weak = |hz: &str| format!("no peak; the force is too weak for the maximum at {hz} Hz");
+        assert_eq!(no_peak(&masked, Some(800.0), (0.4, 1.4)), weak("810.00"));
+        assert_eq!(no_peak(&masked, Some(800.0), (1.7, 2.3)), weak("1700.00"));
+        assert_eq!(no_peak(&masked, Some(2000.0), (1.7, 2.3)), "no peak");
+        assert_eq!(no_peak(&masked, None, (0.4, 1.4)), "no peak");
+    }
 }

@@ -22,6 +22,10 @@ pub struct Observables {
     /// Magnitudes of the receptance \[m/N\] at the frequencies that were asked for; NaN for a response without
     /// a force.
     pub frf: Box<[f64]>,
+    /// Frequencies \[Hz\] of maxima of the first sensor's receptance in the windows of the fundamental and the
+    /// second harmonic that are no peaks since the force is too weak there, see
+    /// [`Harmonics::masked_hz`](asperity_signal::Harmonics::masked_hz).
+    pub masked_hz: Box<[f64]>,
     /// Warnings about the response.
     pub warnings: Vec<Warning>,
     estimate: Option<Box<ErrorEstimate>>,
@@ -79,8 +83,14 @@ impl Observables {
         let interfaces = parts.contacts.len();
         let all = Observable::all(interfaces);
         let values = all.iter().map(|&one| one.value(parts).unwrap_or(f64::NAN)).collect();
-        let (frf, warnings) = (Box::default(), parts.warnings());
-        Self { values, frf, warnings, estimate: None, interfaces }
+        Self {
+            values,
+            frf: Box::default(),
+            masked_hz: parts.masked_hz.as_slice().into(),
+            warnings: parts.warnings(),
+            estimate: None,
+            interfaces,
+        }
     }
 
     /// These observables with the features of further sensors, from the observables of the same response

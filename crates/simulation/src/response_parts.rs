@@ -18,6 +18,8 @@ pub(crate) struct ResponseParts<'a> {
     pub(crate) at_rest: &'a StaticSummary,
     pub(crate) interfaces: &'a [PreloadedContact],
     pub(crate) peaks: PeakValues,
+    /// Frequencies of maxima where the force is too weak \[Hz\].
+    pub(crate) masked_hz: Vec<f64>,
     pub(crate) contacts: Vec<ContactMeasures>,
     /// Time without contact at each interface \[s\]; empty where it is not counted.
     pub(crate) contact_lost: Vec<f64>,
@@ -51,6 +53,7 @@ impl<'a> ResponseParts<'a> {
             at_rest,
             interfaces,
             peaks: PeakValues::of(features),
+            masked_hz: features.harmonics.masked_hz.clone(),
             contacts: interfaces.iter().zip(records).map(measures).collect(),
             contact_lost: records.iter().map(|record| record.lost).collect(),
             energy: Some(energy),

@@ -30,6 +30,9 @@ pub struct Summary {
     pub second_harmonic: Option<SecondHarmonic>,
     /// Second-harmonic over fundamental receptance, A2/A1.
     pub harmonic_ratio: Option<f64>,
+    /// Frequencies of maxima of the receptance in the windows of the fundamental and the second harmonic that are
+    /// no peaks since the force is too weak there \[Hz\].
+    pub masked_hz: Vec<f64>,
     /// Features at each named sensor; those at the first are also the features above.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<SensorSummary>,
@@ -235,6 +238,7 @@ impl Summary {
             fundamental,
             second_harmonic,
             harmonic_ratio,
+            masked_hz: found.masked_hz.to_vec(),
             sensors: assembly.sensors.iter().enumerate().filter_map(sensor).collect(),
             interfaces: at_rest.interfaces.iter().enumerate().map(interface).collect(),
             at_rest,

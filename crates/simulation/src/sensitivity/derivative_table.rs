@@ -61,6 +61,7 @@ impl DerivativeTable {
             at_rest: &prepared.at_rest,
             interfaces: prepared.assembly.structure.contacts(),
             peaks: PeakValues::of(&features),
+            masked_hz: Vec::new(),
             contacts: contacts.clone(),
             contact_lost: Vec::new(),
             energy: None,

@@ -13,6 +13,7 @@ mod contact_path;
 mod finite_elements;
 mod instants;
 mod many_cells;
+mod masked_peaks;
 mod ports;
 mod samples;
 mod sensitivity;
