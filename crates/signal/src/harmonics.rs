@@ -2,7 +2,7 @@
 
 use crate::peak::{Peak, PowerGrid, refine};
 use crate::response::FrequencyResponse;
-use crate::spectra::HitSpectra;
+use crate::spectra::{HitSpectra, RecordEnd};
 use num_complex::Complex64;
 
 /// Window of the second harmonic over the fundamental, of simulated and of measured hits.
@@ -42,8 +42,8 @@ pub struct HarmonicOptions {
     /// The default 4 just exceeds their height from trough to crest.
     /// A record that has decayed is not affected.
     pub leakage_margin: f64,
-    /// Time \[s\] at the end of the record in which a filter runs out: `x_end` is the largest sample of the period
-    /// before it and of this time. Zero by default.
+    /// Time \[s\] at the end of the record that a filter takes to run out, its whole length: `x_end` is the largest
+    /// magnitude in the period before it. Zero by default.
     pub run_out_s: f64,
     /// Smallest magnitude of the force's transform at a peak, over its largest from zero to the end
     /// of the search.
@@ -196,6 +196,9 @@ fn leakage_beside(oscillation_hz: f64, frequency_hz: f64) -> f64 {
 /// Part of that ratio that the leakage margin covers.
 const COVERED: f64 = 1.8;
 
+/// Relative distance of a height from the least one within which its minima are found exactly.
+const NEAR: f64 = 0.25;
+
 /// The search in the receptance on a grid over both windows.
 struct HarmonicSearch<'a, R> {
     response: &'a R,
@@ -220,7 +223,7 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
     /// `masked`.
     fn largest(&self, window: (f64, f64), period: f64, masked: &mut Vec<f64>) -> Option<Peak> {
         let mut maxima = self.grid.maxima(window);
-        maxima.sort_by(|&a, &b| self.grid.power[b].total_cmp(&self.grid.power[a]));
+        maxima.sort_by(|&a, &b| self.grid.heights[b].total_cmp(&self.grid.heights[a]));
         maxima.into_iter().find_map(|index| self.peak(index, window, period, masked))
     }
 
@@ -231,7 +234,7 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         period: f64,
         masked: &mut Vec<f64>,
     ) -> Option<Peak> {
-        let on_grid = self.grid.power[index].sqrt();
+        let on_grid = self.grid.heights[index].sqrt();
         let saddle = self.grid.saddle(index);
         // Ripples are rejected before the costly refinement, at half the prominence required since
         // the maximum lies above its grid point.
@@ -254,14 +257,19 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         }
         let value = self.response.receptance_at(frequency_hz);
         let magnitude = value.norm();
-        let ripple = self.response.ripple(frequency_hz, period + self.options.run_out_s);
-        let height = magnitude - saddle;
+        let end = RecordEnd { period, run_out: self.options.run_out_s };
+        let ripple = self.response.ripple(frequency_hz, end);
         let beside = masked.iter().map(|&stronger| leakage_beside(stronger, frequency_hz));
         let leakage = ripple.leakage * beside.fold(1.0, f64::max);
-        let is_prominent = height >= self.options.minimum_prominence * magnitude
-            && height >= self.options.leakage_margin * leakage
-            && height >= ripple.rounding;
-        is_prominent.then_some(Peak {
+        let least = (self.options.minimum_prominence * magnitude)
+            .max(self.options.leakage_margin * leakage)
+            .max(ripple.rounding);
+        let mut height = magnitude - saddle;
+        // Where it decides, a sharp minimum between grid points is found exactly.
+        if (height - least).abs() < NEAR * least {
+            height = magnitude - self.grid.exact_saddle(self.response, index);
+        }
+        (height >= least).then_some(Peak {
             frequency_hz,
             magnitude,
             value,

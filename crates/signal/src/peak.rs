@@ -4,7 +4,7 @@ use crate::form::ResponseKind;
 use crate::root::bracketed_root;
 use crate::spectra::{BandSpectra, HitSpectra};
 use num_complex::Complex64;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// Relative width to which a maximum is refined.
 const TOLERANCE: f64 = 1e-12;
@@ -27,6 +27,8 @@ pub(crate) struct PowerGrid {
     pub(crate) first: usize,
     pub(crate) step: f64,
     pub(crate) power: Vec<f64>,
+    /// The same with the [vertices](sinusoid_vertex) of maxima and minima in their places.
+    pub(crate) heights: Vec<f64>,
 }
 
 impl PowerGrid {
@@ -41,7 +43,13 @@ impl PowerGrid {
             if power.is_nan() { f64::INFINITY } else { power / omega.powi(twice) }
         };
         let pairs = band.samples.iter().zip(band.force.iter()).enumerate().skip(first);
-        Self { first, step: band.step, power: pairs.map(power).collect() }
+        let power: Vec<f64> = pairs.map(power).collect();
+        let mut heights = power.clone();
+        let turn = TAU * band.step * band.duration;
+        for (height, three) in heights.iter_mut().skip(1).zip(power.windows(3)) {
+            *height = sinusoid_vertex([three[0], three[1], three[2]], turn);
+        }
+        Self { first, step: band.step, power, heights }
     }
 
     pub(crate) fn frequency(&self, index: usize) -> f64 {
@@ -65,17 +73,79 @@ impl PowerGrid {
 
     /// `|H|` at the higher of the minima on either side of a grid maximum.
     ///
-    /// Each is the lowest point before `|H|` exceeds the maximum again or the grid ends.
+    /// Each is the lowest before `|H|` exceeds the maximum again or the grid ends.
     pub(crate) fn saddle(&self, index: usize) -> f64 {
-        let top = self.power[index];
-        let minimum = |sequence: &mut dyn Iterator<Item = &f64>| {
-            sequence
-                .take_while(|power| **power <= top)
-                .fold(top, |lowest, power| lowest.min(*power))
+        let heights = self.minima(index).map(|k| self.heights[k]);
+        heights[0].max(heights[1]).sqrt()
+    }
+
+    /// The same with both minima found on the transforms, between the points beside those of the grid.
+    pub(crate) fn exact_saddle(&self, response: &impl HitSpectra, index: usize) -> f64 {
+        let lowest = |k: usize| {
+            if k == index {
+                return self.heights[k].sqrt();
+            }
+            let ends = [k.saturating_sub(1), k + 1].map(|end| self.frequency(end));
+            least_magnitude(|frequency| response.receptance_at(frequency).norm(), ends)
         };
-        let left = minimum(&mut self.power[..index].iter().rev());
-        let right = minimum(&mut self.power[index + 1..].iter());
-        left.max(right).sqrt()
+        let [left, right] = self.minima(index).map(lowest);
+        left.max(right)
+    }
+
+    /// Places of the lowest points on either side of a maximum; its own where there is none.
+    fn minima(&self, index: usize) -> [usize; 2] {
+        let top = self.heights[index];
+        let lowest = |sequence: &mut dyn Iterator<Item = usize>| {
+            let lower = sequence.take_while(|&k| self.heights[k] <= top);
+            lower.min_by(|&a, &b| self.heights[a].total_cmp(&self.heights[b])).unwrap_or(index)
+        };
+        [lowest(&mut (0..index).rev()), lowest(&mut (index + 1..self.heights.len()))]
+    }
+}
+
+/// Least value of a magnitude with one minimum between two frequencies, by golden sections to 1e-4 of their distance.
+fn least_magnitude(magnitude: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    const SECTIONS: usize = 20;
+    let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+    let mut values = inner.map(&magnitude);
+    for _ in 0..SECTIONS {
+        if values[0] < values[1] {
+            high = inner[1];
+            inner = [high - GOLDEN * (high - low), inner[0]];
+            values = [magnitude(inner[0]), values[0]];
+        } else {
+            low = inner[0];
+            inner = [inner[1], low + GOLDEN * (high - low)];
+            values = [values[1], magnitude(inner[1])];
+        }
+    }
+    values[0].min(values[1])
+}
+
+/// Crest or trough of `|H|^2` about a point that is not between its neighbours; the point itself otherwise.
+///
+/// The end of a record adds ripples, `|a + b exp(-i w T)|^2` with a duration `T`: of three equally spaced points, `turn`
+/// apart in `w T`, on a sinusoid
+///
+/// ```text
+/// mean = (left + right - 2 here cos(turn)) / (2 - 2 cos(turn))
+/// amplitude = hypot(here - mean, (right - left) / (2 sin(turn)))
+/// ```
+///
+/// The points alone would make heights depend on where the grid lies. Of wider extrema these are vertices too.
+fn sinusoid_vertex([left, here, right]: [f64; 3], turn: f64) -> f64 {
+    let is_crest = here >= left && here >= right;
+    let is_trough = here <= left && here <= right;
+    let (sin, cos) = turn.sin_cos();
+    let mean = (left + right - 2.0 * here * cos) / (2.0 - 2.0 * cos);
+    let amplitude = (here - mean).hypot((right - left) / (2.0 * sin));
+    // Of points almost half a turn apart, or hardly apart, the sinusoid is not well known.
+    let is_known = turn > 1e-3 && turn < 0.8 * PI && amplitude.is_finite();
+    match (is_crest, is_trough) {
+        (true, false) if is_known => here.max(mean + amplitude),
+        (false, true) if is_known => (mean - amplitude).clamp(0.0, here),
+        _ => here,
     }
 }
 
@@ -116,4 +186,37 @@ pub(crate) fn refine(response: &impl HitSpectra, grid: &PowerGrid, index: usize)
         }
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn crests_and_troughs_of_a_sinusoid_are_exact_wherever_the_points_lie() {
+        for degrees in [30.0_f64, 60.0, 89.0, 119.0, 140.0] {
+            let turn = degrees.to_radians();
+            for offset in [-0.45, -0.2, 0.0, 0.3, 0.49] {
+                let [crest, trough] = [1.0, -1.0].map(|sign| {
+                    let three = [-1.0, 0.0, 1.0].map(|k| 3.0 + sign * ((k + offset) * turn).cos());
+                    sinusoid_vertex(three, turn)
+                });
+                assert!((crest - 4.0).abs() < 1e-12, "{degrees} {offset}: {crest}");
+                assert!((trough - 2.0).abs() < 1e-12, "{degrees} {offset}: {trough}");
+            }
+        }
+        assert_eq!(sinusoid_vertex([1.0, 2.0, 3.0], 1.5), 2.0);
+        assert_eq!(sinusoid_vertex([1.0, 2.0, f64::INFINITY], 1.5), 2.0);
+        assert_eq!(sinusoid_vertex([2.0, 2.0, 2.0], 1.5), 2.0);
+        assert!((sinusoid_vertex([1.0, 0.1, 1.0], 0.01) - 0.1).abs() < 1e-9);
+        assert_eq!(sinusoid_vertex([1.0, 0.1, 1.0], 1e-9), 0.1);
+    }
+
+    #[test]
+    fn a_least_magnitude_is_found_between_its_ends() {
+        for place in [0.02, 0.5, 0.71, 0.99] {
+            let found = least_magnitude(|f| (f - place).hypot(0.01), [0.0, 1.0]);
+            assert!((found - 0.01).abs() < 1e-6, "{place}: {found}");
+        }
+    }
 }

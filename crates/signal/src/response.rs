@@ -5,7 +5,7 @@ use crate::error::{Result, SignalError, check_rate, check_samples};
 use crate::form::{FrfForm, ResponseKind};
 use crate::frf::{ForceMask, Frf, convert};
 use crate::interpolation::Interpolation;
-use crate::spectra::{BandSpectra, HitSpectra, HitTransforms, Ripple, SignalTransform};
+use crate::spectra::{BandSpectra, HitSpectra, HitTransforms, RecordEnd, Ripple, SignalTransform};
 use crate::spectrum::{PADDING_LIMIT, Spectrum};
 use crate::transform::FourierKernel;
 use crate::window::ResponseWindow;
@@ -286,7 +286,12 @@ impl FrequencyResponse {
             values.truncate(keep);
             values
         };
-        BandSpectra { step, samples: low_part(&samples).into(), force: low_part(&force).into() }
+        BandSpectra {
+            step,
+            duration: self.duration(),
+            samples: low_part(&samples).into(),
+            force: low_part(&force).into(),
+        }
     }
 
     fn force_transform(&self, kernel: &FourierKernel) -> Complex64 {
@@ -311,6 +316,7 @@ impl HitSpectra for FrequencyResponse {
         let parts = padding.div_ceil(2).max(1);
         BandSpectra {
             step: samples.step(parts),
+            duration: self.duration(),
             samples: samples.grid(parts, high).into(),
             force: force.grid(parts, high).into(),
         }
@@ -340,13 +346,8 @@ impl HitSpectra for FrequencyResponse {
         (ratio.norm_sqr(), 2.0 * (slope - derivatives))
     }
 
-    fn ripple(&self, frequency_hz: f64, period: f64) -> Ripple {
+    fn ripple(&self, frequency_hz: f64, end: RecordEnd) -> Ripple {
         let sampling = (self.sample_rate_hz, self.kind);
-        Ripple::of(
-            &self.samples,
-            sampling,
-            self.force_magnitude(frequency_hz),
-            (frequency_hz, period),
-        )
+        Ripple::of(&self.samples, sampling, self.force_magnitude(frequency_hz), (frequency_hz, end))
     }
 }

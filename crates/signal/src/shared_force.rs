@@ -10,7 +10,7 @@ use crate::damping::half_power_of;
 use crate::form::ResponseKind;
 use crate::harmonics::{HarmonicOptions, harmonics_of};
 use crate::receptance_features::ReceptanceFeatures;
-use crate::spectra::{BandSpectra, HitSpectra, Ripple};
+use crate::spectra::{BandSpectra, HitSpectra, RecordEnd, Ripple};
 use crate::transform::transform_at;
 
 /// Zero padding of the grid of transforms.
@@ -243,6 +243,7 @@ impl HitSpectra for SharedHit<'_> {
     fn band(&self, _: usize, _: f64) -> BandSpectra<'_> {
         BandSpectra {
             step: self.step(),
+            duration: self.displacement.len() as f64 / self.shared.rate,
             samples: Cow::Borrowed(&self.response.values),
             force: Cow::Borrowed(&self.shared.force.values),
         }
@@ -270,9 +271,9 @@ impl HitSpectra for SharedHit<'_> {
         ((x / f).norm_sqr(), 2.0 * (dx / x - df / f).re / self.step())
     }
 
-    fn ripple(&self, frequency_hz: f64, period: f64) -> Ripple {
+    fn ripple(&self, frequency_hz: f64, end: RecordEnd) -> Ripple {
         let force = self.force_magnitude(frequency_hz) * self.factor.abs();
         let sampling = (self.shared.rate, self.kind());
-        Ripple::of(self.displacement, sampling, force, (frequency_hz, period))
+        Ripple::of(self.displacement, sampling, force, (frequency_hz, end))
     }
 }

@@ -1,7 +1,7 @@
 //! Spectra of a hit, as the searches for peaks and widths use them.
 
 use crate::form::ResponseKind;
-use crate::sums::{absolute_sum, largest_magnitude};
+use crate::sums::{absolute_sum, largest_between};
 use num_complex::Complex64;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -21,12 +21,14 @@ pub(crate) trait HitSpectra {
     /// `|H|^2` and the derivative of its logarithm with respect to frequency \[1/Hz\].
     fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64);
     /// Bounds on the ripple of `|H|` from truncation and rounding; see [`Ripple::of`].
-    fn ripple(&self, frequency_hz: f64, period: f64) -> Ripple;
+    fn ripple(&self, frequency_hz: f64, end: RecordEnd) -> Ripple;
 }
 
 /// Transforms of force and response at `k step`, from zero.
 pub(crate) struct BandSpectra<'a> {
     pub(crate) step: f64,
+    /// Duration of the record \[s\].
+    pub(crate) duration: f64,
     pub(crate) samples: Cow<'a, [Complex64]>,
     pub(crate) force: Cow<'a, [Complex64]>,
 }
@@ -45,6 +47,32 @@ pub(crate) struct SignalTransform {
     pub(crate) samples: Range<usize>,
 }
 
+/// Where the size of a record's end is read.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RecordEnd {
+    /// Length that is searched for its largest magnitude \[s\].
+    pub(crate) period: f64,
+    /// Time after it, in which a filter runs out \[s\]; the motion ends in the middle of it.
+    pub(crate) run_out: f64,
+}
+
+impl RecordEnd {
+    /// Largest magnitude of the last period of a record, or of the period before a filter runs out, less the decay over the
+    /// half of that time before the end.
+    fn size(self, samples: &[f64], rate: f64) -> f64 {
+        let count = |time: f64| (time * rate).ceil() as usize;
+        let period = count(self.period).max(1).min(samples.len());
+        // A record shorter than both is searched from its start.
+        let to = samples.len().saturating_sub(count(self.run_out)).max(period);
+        let last = largest_between(&samples[to - period..to]);
+        let before = largest_between(&samples[to.saturating_sub(2 * period)..to - period]);
+        if self.run_out == 0.0 || before <= last {
+            return last;
+        }
+        last * (last / before).powf(0.5 * self.run_out / self.period)
+    }
+}
+
 /// Bounds on the ripple of `|H|` \[m/N\] that is not the structure's.
 pub(crate) struct Ripple {
     pub(crate) leakage: f64,
@@ -55,21 +83,45 @@ impl Ripple {
     /// Ripple of a record of `samples` under a force of spectral magnitude `force` at a frequency.
     ///
     /// `leakage` is that of the step at the end of the record, `x_end / (w |F|)` with `x_end` the
-    /// largest sample of the last `period` seconds; `rounding` is that of the transform, relative
+    /// largest magnitude in its `end`, between samples too; `rounding` is that of the transform, relative
     /// to `dt sum |x|`.
     pub(crate) fn of(
         samples: &[f64],
         (rate, kind): (f64, ResponseKind),
         force: f64,
-        (frequency_hz, period): (f64, f64),
+        (frequency_hz, end): (f64, RecordEnd),
     ) -> Self {
-        let count = (period * rate).ceil().max(1.0) as usize;
-        let end = largest_magnitude(&samples[samples.len().saturating_sub(count)..]);
+        let end = end.size(samples, rate);
         let omega = TAU * frequency_hz;
         let scale = 1.0 / (omega.powi(kind.derivatives()) * force);
         Self {
             leakage: end / omega * scale,
             rounding: 1e-14 * absolute_sum(samples) / rate * scale,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A decay of 1 % a period; its last twelfth of a second is 9 % larger, and runs out in zeros.
+    #[test]
+    fn the_size_of_an_end_is_read_before_a_filter_runs_out() {
+        let (rate, frequency, half) = (1000.0, 68.0, 83);
+        let motion = |n: i32| {
+            let periods = f64::from(n) / rate * frequency;
+            0.99_f64.powf(periods) * (TAU * periods).sin()
+        };
+        let end = RecordEnd { period: 1.0 / frequency, run_out: 0.0 };
+        let plain: Vec<f64> = (0..1500).map(motion).collect();
+        let exact = 0.99_f64.powf(1.5 * frequency - 1.0);
+        assert!((end.size(&plain, rate) / exact - 1.0).abs() < 0.01);
+        let overshot = (0..1500).map(|n| if n < 1500 - half { 1.0 } else { 1.09 } * motion(n));
+        let filtered: Vec<f64> = overshot.chain((0..half).map(|_| 0.0)).collect();
+        let told = RecordEnd { run_out: f64::from(2 * half) / rate, ..end };
+        assert!((told.size(&filtered, rate) / exact - 1.0).abs() < 0.01);
+        assert_eq!(end.size(&filtered, rate), 0.0);
+        assert!(told.size(&filtered[..20], rate) > 0.0 && told.size(&[], rate) == 0.0);
     }
 }

@@ -198,6 +198,7 @@ impl ObservableExtractor {
         let mut features = ReceptanceFeatures::default();
         let natural = prepared.at_rest.natural_frequency_hz;
         if let (Some(natural), Some((force, factor))) = (natural, self.force(hit, record)) {
+            // The filter meets the end of the motion, and overshoots there, over its whole length.
             let run_out_s = record.decimation.taps.len() as f64 * record.step;
             let options = HarmonicOptions { run_out_s, ..HarmonicOptions::default() };
             let displacement = force.to_rest(record);

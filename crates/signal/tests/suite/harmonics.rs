@@ -98,6 +98,38 @@ fn leakage_ripples_are_not_peaks() {
     assert!(mistaken > 10, "the ripples are there: {mistaken} of 20");
 }
 
+/// The margin up to which a ripple is found does not depend on the grid that it is found on.
+#[test]
+fn a_ripple_is_found_to_one_margin_on_all_grids() {
+    let mut compared = 0;
+    for count in (1800..2200).step_by(20) {
+        let hit = hit(&[FIRST], RATE, count);
+        let is_found = |padding, leakage_margin| {
+            let options =
+                HarmonicOptions { padding, leakage_margin, ..HarmonicOptions::default() };
+            find_harmonics(&hit, 850.0, &options).second.is_some()
+        };
+        if !is_found(16, 0.5) {
+            continue;
+        }
+        let largest_margin = |padding| {
+            let (mut found, mut not_found) = (0.5, 4.0);
+            while not_found - found > 1e-3 {
+                let middle = 0.5 * (found + not_found);
+                *(if is_found(padding, middle) { &mut found } else { &mut not_found }) = middle;
+            }
+            found
+        };
+        let fine: f64 = largest_margin(16);
+        for padding in [4, 5, 7] {
+            let margin = largest_margin(padding);
+            assert!((margin / fine - 1.0).abs() < 0.03, "{count} {padding}: {margin} {fine}");
+        }
+        compared += 1;
+    }
+    assert!(compared > 5, "{compared}");
+}
+
 /// A record behind whose end a filter runs out, here in zeros for longer than a period, hides the size of its end in its
 /// last period: ripples are no peaks once that time is given.
 #[test]
