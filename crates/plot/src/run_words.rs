@@ -87,7 +87,7 @@ pub fn run_words(summary: &Summary) -> String {
     lines.concat()
 }
 
-/// What stands in the place of a peak in a window about a frequency \[Hz\]: the highest maximum in it that the force
+/// Words in the place of a peak in a window about a frequency \[Hz\]: the highest maximum in it that the force
 /// is too weak for, if there is one.
 fn no_peak(masked_hz: &[f64], about: Option<f64>, (low, high): (f64, f64)) -> String {
     let in_window =

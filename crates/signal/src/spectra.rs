@@ -47,7 +47,7 @@ pub(crate) struct SignalTransform {
     pub(crate) samples: Range<usize>,
 }
 
-/// Where the size of a record's end is read.
+/// The time before a record's end in which its size is read.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RecordEnd {
     /// Length that is searched for its largest magnitude \[s\].

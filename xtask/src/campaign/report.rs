@@ -225,7 +225,7 @@ fn stated(judged: &[Judged]) -> Vec<(&str, &StatedErrors)> {
     compared
 }
 
-/// How the errors of answers compare with the stated ones, in words.
+/// The comparison of errors of answers with the stated ones, in words.
 fn stated_totals(judged: &[Judged]) -> Option<String> {
     let ratios: Vec<f64> = stated(judged).iter().map(|(_, one)| one.ratio).collect();
     let (largest, median) = (ratios.first()?, ratios[ratios.len() / 2]);

@@ -105,8 +105,7 @@ fn a_ripple_is_found_to_one_margin_on_all_grids() {
     for count in (1800..2200).step_by(20) {
         let hit = hit(&[FIRST], RATE, count);
         let is_found = |padding, leakage_margin| {
-            let options =
-                HarmonicOptions { padding, leakage_margin, ..HarmonicOptions::default() };
+            let options = HarmonicOptions { padding, leakage_margin, ..HarmonicOptions::default() };
             find_harmonics(&hit, 850.0, &options).second.is_some()
         };
         if !is_found(16, 0.5) {
