@@ -141,7 +141,10 @@ fn judge_random(arguments: &Arguments, folder: &Path) -> Result<Vec<Judged>> {
             let (mut steady, mut stated) = (Vec::new(), None);
             match number % EVERY {
                 0 => steady = steady::judge(&document, &scenario, seed, number),
-                1 => stated = StatedErrors::of(&document, &scenario),
+                1 => {
+                    let answer = judgement.answer.as_ref();
+                    stated = answer.and_then(|one| StatedErrors::of(one, &document, &scenario));
+                }
                 _ => (),
             }
             steady.extend(structure::judge(folder, seed, number));

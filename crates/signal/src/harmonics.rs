@@ -43,7 +43,8 @@ pub struct HarmonicOptions {
     /// A record that has decayed is not affected.
     pub leakage_margin: f64,
     /// Time \[s\] at the end of the record that a filter takes to run out, its whole length: `x_end` is the largest
-    /// magnitude in the period before it. Zero by default.
+    /// magnitude in the period before it, less the decay from period to period up to the middle of it, where the motion
+    /// ends. Zero by default.
     pub run_out_s: f64,
     /// Smallest magnitude of the force's transform at a peak, over its largest from zero to the end
     /// of the search.

@@ -79,17 +79,14 @@ impl PowerGrid {
         heights[0].max(heights[1]).sqrt()
     }
 
-    /// The same with both minima found on the transforms, between the points beside those of the grid.
+    /// The same with both minima found on the transforms, where there is one between the points beside that of the grid.
     pub(crate) fn exact_saddle(&self, response: &impl HitSpectra, index: usize) -> f64 {
         let lowest = |k: usize| {
-            if k == index {
-                return self.heights[k].sqrt();
-            }
-            let ends = [k.saturating_sub(1), k + 1].map(|end| self.frequency(end));
-            least_magnitude(|frequency| response.receptance_at(frequency).norm(), ends)
+            let trough = if k == index { None } else { refine_trough(response, self, k) };
+            trough.map_or(self.heights[k], |frequency| response.power_and_slope(frequency).0)
         };
         let [left, right] = self.minima(index).map(lowest);
-        left.max(right)
+        left.max(right).sqrt()
     }
 
     /// Places of the lowest points on either side of a maximum; its own where there is none.
@@ -101,26 +98,6 @@ impl PowerGrid {
         };
         [lowest(&mut (0..index).rev()), lowest(&mut (index + 1..self.heights.len()))]
     }
-}
-
-/// Least value of a magnitude with one minimum between two frequencies, by golden sections to 1e-4 of their distance.
-fn least_magnitude(magnitude: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    const SECTIONS: usize = 20;
-    let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
-    let mut values = inner.map(&magnitude);
-    for _ in 0..SECTIONS {
-        if values[0] < values[1] {
-            high = inner[1];
-            inner = [high - GOLDEN * (high - low), inner[0]];
-            values = [magnitude(inner[0]), values[0]];
-        } else {
-            low = inner[0];
-            inner = [inner[1], low + GOLDEN * (high - low)];
-            values = [values[1], magnitude(inner[1])];
-        }
-    }
-    values[0].min(values[1])
 }
 
 /// Crest or trough of `|H|^2` about a point that is not between its neighbours; the point itself otherwise.
@@ -152,21 +129,35 @@ fn sinusoid_vertex([left, here, right]: [f64; 3], turn: f64) -> f64 {
 /// Frequency of the maximum of `|H|` near a grid maximum: the root of the derivative of `ln |H|^2`
 /// between the neighbouring grid points; `None` if there is no maximum between them.
 pub(crate) fn refine(response: &impl HitSpectra, grid: &PowerGrid, index: usize) -> Option<f64> {
+    refined(|frequency| response.power_and_slope(frequency), grid, index)
+}
+
+/// The same of a minimum.
+fn refine_trough(response: &impl HitSpectra, grid: &PowerGrid, index: usize) -> Option<f64> {
+    let negative = |frequency| {
+        let (power, slope) = response.power_and_slope(frequency);
+        (-power, -slope)
+    };
+    refined(negative, grid, index)
+}
+
+/// The maximum near a grid point of a power whose value and logarithmic slope are given, or of its negative.
+fn refined(at: impl Fn(f64) -> (f64, f64), grid: &PowerGrid, index: usize) -> Option<f64> {
     let here = grid.frequency(index);
-    let (power, slope) = response.power_and_slope(here);
+    let (power, slope) = at(here);
     if slope == 0.0 {
         return Some(here);
     }
-    let neighbour = if slope > 0.0 { index + 1 } else { index - 1 };
+    let neighbour = if slope > 0.0 { index + 1 } else { index.checked_sub(1)? };
     // A maximum lies between a point that rises towards a lower one and that one: bisect until
     // the far end falls, which brackets the root.
     let (mut near, mut near_power, mut near_slope) = (here, power, slope);
     let mut far = grid.frequency(neighbour);
-    let (mut far_power, mut far_slope) = response.power_and_slope(far);
+    let (mut far_power, mut far_slope) = at(far);
     for _ in 0..60 {
         if (far_slope > 0.0) != (near_slope > 0.0) {
             let root = bracketed_root(
-                |frequency| response.power_and_slope(frequency).1,
+                |frequency| at(frequency).1,
                 (near, near_slope),
                 (far, far_slope),
                 TOLERANCE,
@@ -177,7 +168,7 @@ pub(crate) fn refine(response: &impl HitSpectra, grid: &PowerGrid, index: usize)
             return None;
         }
         let middle = 0.5 * (near + far);
-        let (middle_power, middle_slope) = response.power_and_slope(middle);
+        let (middle_power, middle_slope) = at(middle);
         let same = (middle_slope > 0.0) == (near_slope > 0.0);
         if same && middle_power > near_power {
             (near, near_power, near_slope) = (middle, middle_power, middle_slope);
@@ -212,11 +203,22 @@ mod tests {
         assert_eq!(sinusoid_vertex([1.0, 0.1, 1.0], 1e-9), 0.1);
     }
 
+    /// A trough of a closed form, and none where the power falls from one neighbour to the other.
     #[test]
-    fn a_least_magnitude_is_found_between_its_ends() {
-        for place in [0.02, 0.5, 0.71, 0.99] {
-            let found = least_magnitude(|f| (f - place).hypot(0.01), [0.0, 1.0]);
-            assert!((found - 0.01).abs() < 1e-6, "{place}: {found}");
+    fn a_trough_is_found_between_its_neighbours() {
+        let grid = PowerGrid { first: 10, step: 1.0, power: Vec::new(), heights: Vec::new() };
+        let at = |trough: f64| {
+            move |frequency: f64| {
+                let (x, least) = (frequency - trough, 0.01);
+                (-(x * x + least), -2.0 * x / (x * x + least))
+            }
+        };
+        for trough in [12.02_f64, 12.5, 12.98, 13.0] {
+            let nearest = trough.round() as usize - 10;
+            let found = refined(at(trough), &grid, nearest).unwrap();
+            assert!((found - trough).abs() < 1e-9, "{trough}: {found}");
         }
+        assert_eq!(refined(at(9.0), &grid, 0), None);
+        assert_eq!(refined(at(20.0), &grid, 3), None);
     }
 }

@@ -1,7 +1,8 @@
 //! Spectra of a hit, as the searches for peaks and widths use them.
 
+use crate::fit::parabola_vertex;
 use crate::form::ResponseKind;
-use crate::sums::{absolute_sum, largest_between};
+use crate::sums::{absolute_sum, largest_magnitude};
 use num_complex::Complex64;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -71,6 +72,16 @@ impl RecordEnd {
         }
         last * (last / before).powf(0.5 * self.run_out / self.period)
     }
+}
+
+/// Largest magnitude of samples, or of the parabola through one and its smaller neighbours.
+fn largest_between(samples: &[f64]) -> f64 {
+    let crest = |three: &[f64]| {
+        let [left, here, right] = [0, 1, 2].map(|k| three[k] * three[1].signum());
+        let is_crest = here >= left && here >= right;
+        parabola_vertex([left, here, right]).filter(|_| is_crest).map_or(here, |(_, height)| height)
+    };
+    samples.windows(3).map(crest).fold(largest_magnitude(samples), f64::max)
 }
 
 /// Bounds on the ripple of `|H|` \[m/N\] that is not the structure's.

@@ -37,17 +37,6 @@ pub(crate) fn largest_magnitude(samples: &[f64]) -> f64 {
     samples.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()))
 }
 
-/// Largest magnitude of samples, or of a vertex of the parabola through three of them.
-pub(crate) fn largest_between(samples: &[f64]) -> f64 {
-    let vertex = |three: &[f64]| {
-        let [left, here, right] = [0, 1, 2].map(|k| three[k] * three[1].signum());
-        let curvature = left - 2.0 * here + right;
-        let is_crest = here >= left && here >= right && curvature < 0.0;
-        if is_crest { here - (right - left).powi(2) / (8.0 * curvature) } else { here }
-    };
-    samples.windows(3).map(vertex).fold(largest_magnitude(samples), f64::max)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -185,6 +185,8 @@ pub(super) struct Judgement {
     pub(super) modal: EngineJudgement,
     pub(super) finite_difference: EngineJudgement,
     pub(super) truth: Vec<TrueValue>,
+    /// The default answer of modes, if there is one.
+    pub(super) answer: Option<Answer>,
     /// True if a default answer opens a contact for a time.
     pub(super) contact_lost: bool,
     /// Refinements that the truth took.
@@ -229,6 +231,7 @@ impl Case<'_> {
             modal: EngineJudgement::new(modal, &truth),
             finite_difference: EngineJudgement::new(finite_difference, &truth),
             truth,
+            answer: modal.answer().cloned(),
             contact_lost: [modal, finite_difference]
                 .iter()
                 .any(|outcome| outcome.answer().is_some_and(|answer| answer.contact_lost)),

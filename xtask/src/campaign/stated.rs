@@ -3,7 +3,7 @@
 use asperity_scenario::{Document, MethodSpec, ModalSpec, Scenario};
 use serde::Serialize;
 
-use super::answer::{Answer, Outcome, run};
+use super::answer::{Answer, run};
 
 /// Accuracy of the run that is compared with, a tenth of that by default.
 const FINE: f64 = 1e-4;
@@ -23,18 +23,15 @@ pub(super) struct StatedErrors {
 }
 
 impl StatedErrors {
-    /// The errors of the default answer of modes, by a finer run; none where either has a reservation, or no
-    /// observable in common with it.
-    pub(super) fn of(document: &Document, scenario: &Scenario) -> Option<Self> {
-        let fine = ModalSpec { accuracy: Some(FINE), ..ModalSpec::default() };
-        let methods = [MethodSpec::default(), MethodSpec::Modal(fine)];
-        let outcomes = methods.map(|method| run(document, scenario, method));
-        if outcomes.iter().any(Outcome::is_reserved) {
+    /// The errors of a default `answer` of modes, by a finer run; none where either has a reservation, or no
+    /// observable in common with the other.
+    pub(super) fn of(answer: &Answer, document: &Document, scenario: &Scenario) -> Option<Self> {
+        if !answer.reservations.is_empty() {
             return None;
         }
-        let [Some(answer), Some(finer)] = outcomes.each_ref().map(Outcome::answer) else {
-            return None;
-        };
+        let fine = ModalSpec { accuracy: Some(FINE), ..ModalSpec::default() };
+        let outcome = run(document, scenario, MethodSpec::Modal(fine));
+        let finer = outcome.answer().filter(|_| !outcome.is_reserved())?;
         Self::between(answer, finer)
     }
 
