@@ -216,12 +216,11 @@ impl<'a> ContactStep<'a> {
         if self.increment > self.highest {
             self.highest = self.increment;
         }
-        let open = self.increment <= self.open_below;
-        if open {
+        if self.increment <= self.open_below {
             self.open_steps += 1;
-        }
-        if self.stiffness.count(open) {
-            self.read_stiffness();
+        } else {
+            let pressure = self.contact.pressure() + self.increment;
+            self.stiffness.count(pressure, |pressure| self.contact.law().stiffness(pressure));
         }
     }
 
@@ -245,36 +244,16 @@ impl<'a> ContactStep<'a> {
         if found.is_some() { None } else { Some(self.series.get_beyond(argument)) }
     }
 
-    /// Pressure \[Pa\], closure \[m\] and stiffness \[Pa/m\] one step before the newest state, where the
-    /// stiffness is read for its average too.
-    pub(super) fn observe(&mut self) -> (f64, f64, f64) {
+    /// Pressure \[Pa\], closure \[m\] and stiffness \[Pa/m\] one step before the newest state.
+    pub(super) fn observe(&self) -> (f64, f64, f64) {
         // Centred, the latest solve spans the step before the newest; else it is the newest's.
         let increment = if self.centred { self.increment } else { self.increment_before };
-        let stiffness = self.stiffness_at(increment);
-        self.read(if self.centred { stiffness } else { self.stiffness_at(self.increment) });
         let closure = self.contact.closure() + self.closure_before;
-        let pressure = self.contact.pressure() + increment;
-        (if increment <= self.open_below { 0.0 } else { pressure }, closure, stiffness)
-    }
-
-    /// Stiffness \[Pa/m\] at a pressure increment \[Pa\], zero while the contact is open.
-    fn stiffness_at(&self, increment: f64) -> f64 {
         if increment <= self.open_below {
-            return 0.0;
+            return (0.0, closure, 0.0);
         }
-        self.contact.law().stiffness(self.contact.pressure() + increment)
-    }
-
-    /// Reads the stiffness in the latest solve for its time average.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn read_stiffness(&mut self) {
-        self.read(self.stiffness_at(self.increment));
-    }
-
-    fn read(&mut self, stiffness: f64) {
-        let open = self.increment <= self.open_below;
-        self.stiffness.read(open, stiffness, || self.contact.law().stiffness(0.0));
+        let pressure = self.contact.pressure() + increment;
+        (pressure, closure, self.contact.law().stiffness(pressure))
     }
 
     pub(super) fn record(&self, step: f64, steps: usize) -> ContactExtremes {
@@ -284,7 +263,8 @@ impl<'a> ContactStep<'a> {
             pressure_min: pressure(self.lowest),
             pressure_max: pressure(self.highest),
             lost: self.open_steps as f64 * step,
-            stiffness_average: self.stiffness.total() / steps as f64,
+            stiffness_average: self.stiffness.total(|p| self.contact.law().stiffness(p))
+                / steps as f64,
         }
     }
 

@@ -14,7 +14,7 @@ use crate::{DynamicsError, EnergyLedger, History, Transient};
 use asperity_structure::LoadCase;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Most steps between two measurements of the viscous power and two readings of the stiffness.
+/// Most steps between two measurements of the viscous power.
 const LEDGER_STEPS: usize = 32;
 
 /// Samples between two calls of the progress listener, and two looks at the flag that stops the run.
@@ -67,13 +67,9 @@ impl WithSimd for TimeLoop<'_> {
                     for ((place, nodes), motion) in sensors.iter().zip(&mut history.sensors) {
                         motion.push_states(state.at(place.body, nodes), self.step);
                     }
+                    state.observe(&mut history);
                 }
                 if n % LEDGER_STEPS == 0 {
-                    if n == 0 {
-                        state.observe(&mut history);
-                    } else {
-                        state.read_stiffnesses();
-                    }
                     let power = state.viscous_power();
                     state.ledger.measure(power, start + (n as f64 + 0.5) * self.step);
                 }
@@ -94,7 +90,6 @@ impl WithSimd for TimeLoop<'_> {
         let power = state.viscous_power();
         state.ledger.measure(power, end - 0.5 * self.step);
         state.ledger.close(end);
-        state.read_stiffnesses();
         let contacts = state.contacts.iter().map(|contact| contact.record(self.step, steps));
         let contacts = contacts.collect();
         let energy = state.balance(self.form);
@@ -279,14 +274,10 @@ impl<'a> State<'a> {
     }
 
     /// Keeps the contacts one step before the newest state in the history.
-    fn observe(&mut self, history: &mut History) {
-        for (contact, columns) in self.contacts.iter_mut().zip(&mut history.interfaces) {
+    fn observe(&self, history: &mut History) {
+        for (contact, columns) in self.contacts.iter().zip(&mut history.interfaces) {
             columns.push(contact.observe());
         }
-    }
-
-    fn read_stiffnesses(&mut self) {
-        self.contacts.iter_mut().for_each(ContactStep::read_stiffness);
     }
 
     /// The first interface whose numbers are not finite any more, if any.
