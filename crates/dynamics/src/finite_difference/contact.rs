@@ -125,7 +125,7 @@ impl<'a> ContactStep<'a> {
             lowest: 0.0,
             highest: 0.0,
             open_steps: 0,
-            stiffness: StiffnessSum::EMPTY,
+            stiffness: StiffnessSum::new(contact.law().kinks()),
             work: 0.0,
         })
     }
