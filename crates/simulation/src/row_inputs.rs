@@ -168,6 +168,8 @@ pub(crate) fn magnitudes(
 
 #[cfg(test)]
 mod tests {
+    use asperity_dynamics::SensorHistory;
+
     use super::*;
 
     #[test]
@@ -190,5 +192,45 @@ mod tests {
         let inputs = RowInputs::new(document, places, false);
         let row = ["0.0312", "\"pl\"", "1.3e-5", "2"];
         assert_eq!(inputs.rounded(&row), ["0.03125", "\"pl\"", "1.3e-5", "2"]);
+    }
+
+    /// A response that ends while it rings, `exp(-a t) sin(w t)` up to `T`, after a smooth pulse: the transform of
+    /// a record ends at `T` at any rate, to second order.
+    #[test]
+    fn receptances_of_a_history_reach_to_its_end() {
+        let (pulse, duration, frequency) = (2e-3, 0.0163, 730.0);
+        let rate_of_change = Complex64::new(-60.0, std::f64::consts::TAU * 800.0);
+        let turn = std::f64::consts::TAU * frequency;
+        // Of exp(z t) and of sin^4(pi t / pulse), in closed form.
+        let integral = |z: Complex64, end: f64| ((z * end).exp() - 1.0) / z;
+        let i = Complex64::i();
+        let response =
+            [rate_of_change, rate_of_change.conj()].map(|z| integral(z - i * turn, duration));
+        let response = (response[0] - response[1]) / (2.0 * i);
+        let harmonic = |k: i32, share: f64| {
+            let z = i * (std::f64::consts::TAU * f64::from(k) / pulse - turn);
+            share * integral(z, pulse)
+        };
+        let force: Complex64 = [(-2, 0.0625), (-1, -0.25), (0, 0.375), (1, -0.25), (2, 0.0625)]
+            .map(|(k, share)| harmonic(k, share))
+            .iter()
+            .sum();
+        let error = |samples: u32| {
+            let rate = f64::from(samples) / duration;
+            let time: Vec<f64> = (0..samples).map(|n| f64::from(n) / rate).collect();
+            let displacement =
+                time.iter().map(|&t| (-60.0 * t).exp() * (rate_of_change.im * t).sin()).collect();
+            let sine = |t: f64| (std::f64::consts::PI * t / pulse).sin();
+            let load =
+                time.iter().map(|&t| if t < pulse { sine(t).powi(4) } else { 0.0 }).collect();
+            let sensors = vec![SensorHistory { displacement, ..SensorHistory::default() }];
+            let history = History { time, load, sensors, interfaces: Vec::new() };
+            let found = receptance_of(&history, rate, &[frequency])[0];
+            (found * force / response - 1.0).norm()
+        };
+        let errors = [1000, 2000, 4000].map(error);
+        let slopes = [0, 1].map(|k| (errors[k] / errors[k + 1]).log2());
+        assert!(slopes.iter().all(|slope| (slope - 2.0).abs() < 0.1), "{slopes:?} {errors:?}");
+        assert!(errors[0] < 1e-3, "{errors:?}");
     }
 }
