@@ -200,6 +200,10 @@ const COVERED: f64 = 1.8;
 /// Relative distance of a height from the least one within which its minima are found exactly.
 const NEAR: f64 = 0.25;
 
+/// Ratio of a height and the least one up to which the size of the record's end is predicted, where a filter hides it:
+/// the period before may be larger or smaller by as much where modes beat.
+const BEATING: f64 = 2.5;
+
 /// The search in the receptance on a grid over both windows.
 struct HarmonicSearch<'a, R> {
     response: &'a R,
@@ -258,15 +262,21 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         }
         let value = self.response.receptance_at(frequency_hz);
         let magnitude = value.norm();
-        let end = RecordEnd { period, run_out: self.options.run_out_s };
-        let ripple = self.response.ripple(frequency_hz, end);
         let beside = masked.iter().map(|&stronger| leakage_beside(stronger, frequency_hz));
-        let leakage = ripple.leakage * beside.fold(1.0, f64::max);
-        let least = (self.options.minimum_prominence * magnitude)
-            .max(self.options.leakage_margin * leakage)
-            .max(ripple.rounding);
-        let mut height = magnitude - saddle;
-        // Where it decides, a sharp minimum between grid points is found exactly.
+        let beside = beside.fold(1.0, f64::max);
+        let least_with = |is_predicted: bool| {
+            let end = RecordEnd { period, run_out: self.options.run_out_s, is_predicted };
+            let ripple = self.response.ripple(frequency_hz, end);
+            (self.options.minimum_prominence * magnitude)
+                .max(self.options.leakage_margin * ripple.leakage * beside)
+                .max(ripple.rounding)
+        };
+        let (mut height, mut least) = (magnitude - saddle, least_with(false));
+        // Where they decide, the size of the record's end and a sharp minimum between grid points are found exactly.
+        let is_near = (least / BEATING..least * BEATING).contains(&height);
+        if self.options.run_out_s > 0.0 && is_near {
+            least = least_with(true);
+        }
         if (height - least).abs() < NEAR * least {
             height = magnitude - self.grid.exact_saddle(self.response, index);
         }

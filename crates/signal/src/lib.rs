@@ -81,6 +81,7 @@ mod harmonics;
 mod high_pass;
 mod hit;
 mod interpolation;
+mod linear_prediction;
 mod noise;
 mod offset;
 mod peak;

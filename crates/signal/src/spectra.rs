@@ -2,6 +2,7 @@
 
 use crate::fit::parabola_vertex;
 use crate::form::ResponseKind;
+use crate::linear_prediction::continued;
 use crate::sums::{absolute_sum, largest_magnitude};
 use num_complex::Complex64;
 use std::borrow::Cow;
@@ -55,16 +56,25 @@ pub(crate) struct RecordEnd {
     pub(crate) period: f64,
     /// Time after it, in which a filter runs out \[s\]; the motion ends in the middle of it.
     pub(crate) run_out: f64,
+    /// True if the motion is [continued](continued) to where it ends; else its decay is.
+    pub(crate) is_predicted: bool,
 }
 
 impl RecordEnd {
-    /// Largest magnitude of the last period of a record, or of the period before a filter runs out, less the decay over the
-    /// half of that time before the end.
+    /// Largest magnitude of the last period of a record; where a filter runs out after it, of the motion that is predicted
+    /// up to its end, or quickly, of the period before less the decay over the half of that time before the end.
     fn size(self, samples: &[f64], rate: f64) -> f64 {
         let count = |time: f64| (time * rate).ceil() as usize;
         let period = count(self.period).max(1).min(samples.len());
         // A record shorter than both is searched from its start.
         let to = samples.len().saturating_sub(count(self.run_out)).max(period);
+        if self.is_predicted && self.run_out > 0.0 {
+            let rest = continued(&samples[..to], count(0.5 * self.run_out));
+            let all = [&samples[to - period..to], &rest].concat();
+            // Motion that rings down stays below its last periods, a wrong prediction may not.
+            let before = largest_magnitude(&samples[to.saturating_sub(3 * period)..to]);
+            return largest_between(&all[all.len() - period..]).min(before);
+        }
         let last = largest_between(&samples[to - period..to]);
         let before = largest_between(&samples[to.saturating_sub(2 * period)..to - period]);
         if self.run_out == 0.0 || before <= last {
@@ -124,15 +134,20 @@ mod tests {
             let periods = f64::from(n) / rate * frequency;
             0.99_f64.powf(periods) * (TAU * periods).sin()
         };
-        let end = RecordEnd { period: 1.0 / frequency, run_out: 0.0 };
+        let end = RecordEnd { period: 1.0 / frequency, run_out: 0.0, is_predicted: false };
         let plain: Vec<f64> = (0..1500).map(motion).collect();
         let exact = 0.99_f64.powf(1.5 * frequency - 1.0);
         assert!((end.size(&plain, rate) / exact - 1.0).abs() < 0.01);
         let overshot = (0..1500).map(|n| if n < 1500 - half { 1.0 } else { 1.09 } * motion(n));
         let filtered: Vec<f64> = overshot.chain((0..half).map(|_| 0.0)).collect();
         let told = RecordEnd { run_out: f64::from(2 * half) / rate, ..end };
-        assert!((told.size(&filtered, rate) / exact - 1.0).abs() < 0.01);
+        let predicted = RecordEnd { is_predicted: true, ..told };
+        for end in [told, predicted] {
+            assert!((end.size(&filtered, rate) / exact - 1.0).abs() < 0.01);
+        }
         assert_eq!(end.size(&filtered, rate), 0.0);
+        let growing: Vec<f64> = (0..300).map(|n| 1.1_f64.powi(n)).collect();
+        assert!(predicted.size(&growing, rate) <= growing[299]);
         assert!(told.size(&filtered[..20], rate) > 0.0 && told.size(&[], rate) == 0.0);
     }
 }
