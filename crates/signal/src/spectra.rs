@@ -150,4 +150,29 @@ mod tests {
         assert!(predicted.size(&growing, rate) <= growing[299]);
         assert!(told.size(&filtered[..20], rate) > 0.0 && told.size(&[], rate) == 0.0);
     }
+
+    /// Two modes that beat: the period before a filter runs out is up to twice as large or half as large as the last.
+    #[test]
+    fn the_end_of_beating_modes_is_predicted() {
+        let (rate, half) = (730.0, 15);
+        let motion = |n: usize| {
+            let t = n as f64 / rate;
+            let mode = |f: f64, decay: f64| (-decay * t).exp() * (TAU * f * t).sin();
+            mode(49.4, 3.0) + 0.7 * mode(77.4, 2.0)
+        };
+        let end = RecordEnd { period: 1.0 / 49.4, run_out: 0.0, is_predicted: false };
+        let run_out = (2 * half) as f64 / rate;
+        let mut worst = [0.0_f64; 2];
+        for length in 200..240 {
+            let all: Vec<f64> = (0..length).map(motion).collect();
+            let exact = end.size(&all, rate);
+            // What the filter leaves of the samples beside the end does not count.
+            let filtered = [&all[..length - half], &vec![f64::NAN; 2 * half][..]].concat();
+            for (is_predicted, worst) in [false, true].into_iter().zip(&mut worst) {
+                let told = RecordEnd { run_out, is_predicted, ..end };
+                *worst = worst.max((told.size(&filtered, rate) / exact).ln().abs());
+            }
+        }
+        assert!(worst[0] > 0.3 && worst[1] < 0.02, "{worst:?}");
+    }
 }
