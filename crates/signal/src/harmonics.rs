@@ -249,13 +249,12 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         let here = self.grid.frequency(index);
         let weak = |frequency| self.response.force_magnitude(frequency) < self.force_floor;
         let inside = |frequency| frequency > low && frequency < high;
+        let refined = refine(self.response, &self.grid, index);
         if weak(here) {
-            if inside(here) {
-                masked.push(here);
-            }
+            masked.extend(Some(refined.unwrap_or(here)).filter(|f| inside(*f)));
             return None;
         }
-        let frequency_hz = refine(self.response, &self.grid, index).filter(|f| inside(*f))?;
+        let frequency_hz = refined.filter(|f| inside(*f))?;
         if weak(frequency_hz) {
             masked.push(frequency_hz);
             return None;
@@ -277,7 +276,9 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         if self.options.run_out_s > 0.0 && is_near {
             least = least_with(true);
         }
-        if (height - least).abs() < NEAR * least {
+        // The least height of the peak, by minima no lower than their grid points.
+        let sure = magnitude - self.grid.saddle_on_grid(index);
+        if (height - least).abs() < NEAR * least || (height >= least && sure < least) {
             height = magnitude - self.grid.exact_saddle(self.response, index);
         }
         (height >= least).then_some(Peak {

@@ -79,6 +79,13 @@ impl PowerGrid {
         heights[0].max(heights[1]).sqrt()
     }
 
+    /// The same of the points alone, which is no less: of a minimum beside a pole, as where the force vanishes, a sinusoid
+    /// may be far too low.
+    pub(crate) fn saddle_on_grid(&self, index: usize) -> f64 {
+        let powers = self.minima(index).map(|k| self.power[k]);
+        powers[0].max(powers[1]).sqrt()
+    }
+
     /// The same with both minima found on the transforms, where there is one between the points beside that of the grid.
     pub(crate) fn exact_saddle(&self, response: &impl HitSpectra, index: usize) -> f64 {
         let lowest = |k: usize| {
