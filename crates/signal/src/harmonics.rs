@@ -197,7 +197,7 @@ fn leakage_beside(oscillation_hz: f64, frequency_hz: f64) -> f64 {
 /// Part of that ratio that the leakage margin covers.
 const COVERED: f64 = 1.8;
 
-/// Relative distance of a height from the least one within which its minima are found exactly.
+/// Relative distance of a height from the least one within which its minima are found exactly, at least.
 const NEAR: f64 = 0.25;
 
 /// Ratio of a height and the least one up to which the size of the record's end is predicted, where a filter hides it:
@@ -271,12 +271,12 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
                 .max(ripple.rounding)
         };
         let (mut height, mut least) = (magnitude - saddle, least_with(false));
-        // Where they decide, the size of the record's end and a sharp minimum between grid points are found exactly.
+        // Where it decides, the motion is predicted to the record's end.
         let is_near = (least / BEATING..least * BEATING).contains(&height);
         if self.options.run_out_s > 0.0 && is_near {
             least = least_with(true);
         }
-        // The least height of the peak, by minima no lower than their grid points.
+        // The least height of the peak, by minima no lower than their grid points. Where they decide, they are found exactly.
         let sure = magnitude - self.grid.saddle_on_grid(index);
         if (height - least).abs() < NEAR * least || (height >= least && sure < least) {
             height = magnitude - self.grid.exact_saddle(self.response, index);
