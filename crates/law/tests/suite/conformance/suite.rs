@@ -96,8 +96,9 @@ fn interpolations_agree(law: &dyn ContactLaw, pressures: &[f64]) -> Outcome {
 
 /// Rounding of a pressure found from its closure.
 fn rounding_of(law: &dyn ContactLaw, p: f64) -> f64 {
-    // Powers and logarithms of pressures up to 1e9 magnify rounding by ln(1e9) = 21 at most.
-    EPS * (32.0 * p.abs() + 8.0 * law.stiffness(p) * law.closure(p).abs())
+    // Powers and logarithms of pressures up to 1e9 magnify rounding by ln(1e9) = 21 at most: that
+    // of the pressure, and that of the closure from a reference pressure far above.
+    32.0 * EPS * (p.abs() + law.stiffness(p) * law.closure(p).abs())
 }
 
 /// Pressure to closure and back, by closed form and by the default.
