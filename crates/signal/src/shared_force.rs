@@ -19,7 +19,7 @@ const PADDING: usize = 3;
 /// Points of the interpolation between grid frequencies.
 const POINTS: usize = 10;
 
-/// Largest accepted relative error of the interpolated `|H|` at the fundamental.
+/// Largest accepted relative error of the interpolated `|H|` beside the fundamental.
 const ACCEPTED: f64 = 1e-6;
 
 /// The analysis of many hits whose forces are one time history times a factor.
@@ -27,7 +27,7 @@ const ACCEPTED: f64 = 1e-6;
 /// The transform of the force is computed once. The transform of each response
 /// is computed on a grid by one short FFT about the centre of its energy, where it varies slowly
 /// from point to point; peaks and half-power crossings are found on its interpolation, which is
-/// verified against the exact transform at the fundamental. Intended for records decimated by a
+/// verified against the exact transform beside the fundamental, midway between two points. Intended for records decimated by a
 /// [`DecimationFilter`](crate::DecimationFilter) to the band of interest.
 ///
 /// The results equal the results of [`find_harmonics`](crate::find_harmonics) and
@@ -106,9 +106,11 @@ impl SharedForce {
             return Some(ReceptanceFeatures { harmonics, ..ReceptanceFeatures::default() });
         };
         let f = first.frequency_hz;
-        let exact = transform_at(displacement, self.rate, f).norm()
-            / (transform_at(&self.samples, self.rate, f).norm() * factor.abs());
-        let off = (first.magnitude / exact - 1.0).abs();
+        // Between two points of the grid, at which it is exact.
+        let between = ((f / hit.step()).floor() + 0.5) * hit.step();
+        let exact = transform_at(displacement, self.rate, between).norm()
+            / (transform_at(&self.samples, self.rate, between).norm() * factor.abs());
+        let off = (hit.power(between).sqrt() / exact - 1.0).abs();
         if off.is_nan() || off > ACCEPTED {
             return None;
         }
