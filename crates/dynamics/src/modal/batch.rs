@@ -413,14 +413,15 @@ impl Attempt {
     }
 
     /// The whole response of a case that went on at equal steps; none if these do not serve the case: a contact came
-    /// near opening, or the energy balance is open.
+    /// near opening or, but for what they leave out, to an extreme of its pressure, or the energy balance is open.
     pub(super) fn joined(&self, midway: &Midway, outcome: Outcome) -> Option<CaseResponse> {
         let rest = self.record(outcome);
         let mut contacts = self.lane.model.contacts().iter().zip(&rest.contacts);
         let opens = contacts.any(|(contact, seen)| contact.is_near_opening(seen.pressure_min));
+        let serves = !opens && midway.keeps_extremes(&rest.contacts);
         let joined = midway.joined(rest);
         let is_balanced = !Resolution::too_coarse(joined.energy.residual_relative());
-        (!opens && is_balanced).then_some(joined)
+        (serves && is_balanced).then_some(joined)
     }
 
     /// The response of an outcome that is accepted.

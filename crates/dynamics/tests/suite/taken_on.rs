@@ -138,3 +138,63 @@ fn the_rest_at_equal_steps_goes_on_as_at_steps_of_their_own() {
     assert!(left >= 14, "{left}");
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
+
+/// A light bar on a block that is struck or shaken, its contact stiff and the one below soft, with numbers drawn from a seed:
+/// modes of the bar ring with little energy, and move its contact.
+fn light_bar(seed: u64) -> (PreloadedStructure, LoadCase) {
+    let mut state = seed;
+    let mut draw = |low: f64, high: f64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        low * (high / low).powf((state >> 11) as f64 / (1_u64 << 53) as f64)
+    };
+    let contact = |name: &str, area: f64, coefficient: f64| {
+        let law: Arc<dyn ContactLaw> = Arc::new(Power::new(coefficient, 0.4, 0.0).unwrap());
+        Interface::new(name, area, law).unwrap()
+    };
+    let stiff = contact("stiff", 1e-5, draw(5e10, 5e11));
+    let soft = contact("soft", 1e-4, draw(1e9, 3e9));
+    let bar = Body::with_mass("bar", draw(0.1, 0.4), draw(0.01, 0.03), 370e9, 3900.0).unwrap();
+    let block = Body::with_mass("block", 0.1, draw(0.5, 2.0), 50e9, 2650.0).unwrap();
+    let stack = Stack::new(vec![bar, block], vec![stiff, soft], Support::Rigid, 9.81).unwrap();
+    let structure = PreloadedStructure::new(stack, Damping::Ratio(draw(0.003, 0.01))).unwrap();
+    let function = if seed.is_multiple_of(2) {
+        TimeFunction::Harmonic { frequency: draw(100.0, 500.0) }
+    } else {
+        TimeFunction::HalfSine { duration: draw(0.5e-3, 2e-3) }
+    };
+    let load = LoadCase::force(function, draw(0.003, 0.03));
+    (structure, load.at(Port::Point { body: 1, position: 0.06 }))
+}
+
+/// Pressures of a stiff contact under a light body, over their range, as at steps of their own throughout: what rings there
+/// has little energy, but not little pressure.
+#[test]
+fn pressures_of_a_stiff_contact_go_on_at_equal_steps() {
+    let (mut left, mut failures) = (0, Vec::new());
+    for seed in 1..=12 {
+        let (structure, load) = light_bar(seed);
+        let natural = structure.natural_frequency().unwrap();
+        let (base, tolerance) = (0.01 / natural, 2.5e-7);
+        let sampling = Sampling::new(60.0 / natural, 1.0 / base).unwrap();
+        let (step, tolerance) = (Some(base), Some(tolerance));
+        let method = Modal { step, tolerance, modes_per_body: Some(16), ..Modal::default() };
+        let case = method.case(&structure, &load, &[Port::TOP], &sampling).unwrap();
+        let batch = Batch::default();
+        let whole = batch.transient_at_own_steps(&case, &sampling).unwrap();
+        let all = |_: usize, _: f64| Arc::new(Decimation { factor: 1, taps: [1.0].into() });
+        let found = batch.run(&[case], &all).into_iter().next().unwrap().unwrap();
+        left += usize::from(found.integrated_steps != whole.steps);
+        let pairs = found.contacts.iter().zip(&whole.contacts);
+        let off = pairs.map(|(a, b)| {
+            let [least, largest] =
+                [a.pressure_min - b.pressure_min, a.pressure_max - b.pressure_max];
+            least.abs().max(largest.abs()) / (b.pressure_max - b.pressure_min)
+        });
+        let off = off.fold(0.0, f64::max);
+        if off > 3e-4 {
+            failures.push(format!("{seed}: {off:.1e}"));
+        }
+    }
+    assert!(left >= 4, "{left}");
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}

@@ -38,6 +38,10 @@ const LEAST_TRACTION: f64 = 1e-3;
 /// the amplitude of the response by its root times the ratio of the frequencies.
 const LEFT_ENERGY: f64 = 1e-5;
 
+/// Pressure of a contact by modes that ring, over its range so far and over the root of the tolerance, that equal steps may
+/// leave out: of a stiff contact it is a larger share than that of the energy.
+const LEFT_PRESSURE: f64 = 0.5;
+
 /// Acceleration at a sensor of modes that ring, over the largest there so far, that equal steps may leave out of a history.
 const LEFT_ACCELERATION: f64 = 1e-2;
 
@@ -205,14 +209,42 @@ impl<'a, const N: usize> Integration<'a, N> {
             <= self.control.tolerance * self.measures.work.abs()
     }
 
-    /// True if equal steps of `step` \[s\] would lose so little energy of modes that ring, and so little of the accelerations
-    /// that were recorded.
-    pub(super) fn may_take_steps(&self, step: f64) -> bool {
+    /// Pressures \[Pa\] that equal steps of `step` \[s\] would leave out of the contacts; none if they would lose too much
+    /// energy of modes that ring, too much of the accelerations that were recorded or, while the load acts, of the pressures:
+    /// later extremes may be as large as those so far.
+    pub(super) fn left_by_steps(&self, step: f64, time: f64) -> Option<Vec<f64>> {
         let long = self.model.step_coefficients(step, self.exponents);
-        self.ringing(None, &long) <= LEFT_ENERGY * self.measures.work.abs()
-            && self.accelerations.iter().enumerate().all(|(sensor, largest)| {
+        let is_weak = self.ringing(None, &long) <= LEFT_ENERGY * self.measures.work.abs();
+        let is_silent = || {
+            self.accelerations.iter().enumerate().all(|(sensor, largest)| {
                 *largest == 0.0 || self.ringing_at(sensor, &long) <= LEFT_ACCELERATION * largest
             })
+        };
+        if !(is_weak && is_silent()) {
+            return None;
+        }
+        let most = LEFT_PRESSURE * self.control.tolerance.sqrt();
+        let left = |(i, seen): (usize, ContactExtremes)| {
+            let pressure = self.ringing_pressure(i, &long);
+            if pressure <= most * (seen.pressure_max - seen.pressure_min) { 0.0 } else { pressure }
+        };
+        let left: Vec<f64> = self.contact_extremes().into_iter().enumerate().map(left).collect();
+        (time > self.load.ends_at() || left.iter().all(|pressure| *pressure == 0.0)).then_some(left)
+    }
+
+    /// Largest pressure of a contact \[Pa\] by modes that ring, and follow their forces at once at `long` steps. A stiff contact
+    /// is pressed through their flexibility, and less than without it.
+    fn ringing_pressure(&self, contact: usize, long: &StepCoefficients) -> f64 {
+        let mut closure = 0.0;
+        for (n, mode) in self.model.row_modes().modes.iter().enumerate() {
+            if long.modes[n].follows() {
+                let [apart, velocity] = self.ringing_of(n, mode);
+                closure +=
+                    mode.closure[contact].abs() * apart.hypot(velocity) / mode.angular_frequency;
+            }
+        }
+        let stiffness = self.rows.stiffness[contact];
+        closure * stiffness / (1.0 + stiffness * long.follows[contact][contact])
     }
 
     /// Largest acceleration at a sensor \[m/s2\] by modes that ring, and follow their forces at once at `long` steps.

@@ -27,13 +27,16 @@ pub(in crate::modal) struct Midway {
     contacts: Vec<ContactExtremes>,
     energy: EnergyLedger,
     taken: usize,
+    /// Pressure of each contact \[Pa\] that equal steps leave out; none where it is too small to count.
+    left: Vec<f64>,
 }
 
 /// The last of some equal steps of a case, and where it may be left.
 #[derive(Debug)]
 pub(super) struct Watch {
-    /// The equal step \[s\], in base steps.
+    /// The equal step and the base step \[s\], and their ratio.
     step: f64,
+    base: f64,
     stride: usize,
     /// Base steps of a part, and between which base steps the case may be left.
     part: usize,
@@ -42,6 +45,8 @@ pub(super) struct Watch {
     /// Base steps in which no contact must have been near opening.
     pressed: usize,
     recent: [Recent; NODES],
+    /// Pressures that equal steps leave out where the case is left.
+    left: Vec<f64>,
 }
 
 /// The rows and the modes at the end of an equal step.
@@ -64,8 +69,19 @@ impl Watch {
         // The cast saturates.
         let pressed = pressed as usize;
         let first = pressed.max(2 * NODES * stride);
-        let (step, recent) = (control.equal_step(), Default::default());
-        (first < last).then_some(Self { step, stride, part, first, last, pressed, recent })
+        let (step, base) = (control.equal_step(), control.base);
+        let (recent, left) = (Default::default(), Vec::new());
+        (first < last).then_some(Self {
+            step,
+            base,
+            stride,
+            part,
+            first,
+            last,
+            pressed,
+            recent,
+            left,
+        })
     }
 
     /// Takes in the state after `done` base steps, at the end of an equal step; true if the case may be left there.
@@ -84,7 +100,13 @@ impl Watch {
             let modes = if ahead < 2 { run.modes().collect() } else { Vec::new() };
             self.recent[0] = Recent { closure, traction, viscous, modes };
         }
-        ahead == 0 && run.pressed >= self.pressed && run.may_take_steps(self.step)
+        if ahead > 0 || run.pressed < self.pressed {
+            return false;
+        }
+        let left = run.left_by_steps(self.step, done as f64 * self.base);
+        let is_left = left.is_some();
+        self.left = left.unwrap_or_default();
+        is_left
     }
 
     /// The case where it is left, with its output at equal steps so far.
@@ -123,11 +145,22 @@ impl Watch {
             contacts: run.contact_extremes(),
             energy: run.ledger(),
             taken: run.taken,
+            left: self.left,
         }
     }
 }
 
 impl Midway {
+    /// True if what equal steps leave out of the pressures cannot have been an extreme.
+    pub(in crate::modal) fn keeps_extremes(&self, rest: &[ContactExtremes]) -> bool {
+        let mut pairs = self.contacts.iter().zip(rest).zip(&self.left);
+        pairs.all(|((before, after), left)| {
+            *left == 0.0
+                || (after.pressure_min - left >= before.pressure_min
+                    && after.pressure_max + left <= before.pressure_max)
+        })
+    }
+
     /// The whole response, from the response of the rest.
     pub(in crate::modal) fn joined(&self, rest: CaseResponse) -> CaseResponse {
         let join = |(before, after): (&ContactExtremes, &ContactExtremes)| ContactExtremes {
