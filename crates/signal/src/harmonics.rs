@@ -77,6 +77,16 @@ pub struct Harmonics {
     pub second: Option<Peak>,
     /// Frequencies (Hz) of maxima in either window where the force is too weak.
     pub masked_hz: Vec<f64>,
+    /// Frequencies (Hz) of maxima, of those no lower than the peak in either window, whose height is within 7 % of the least
+    /// height of a peak: a slightly longer record may decide otherwise about them.
+    pub marginal_hz: Vec<f64>,
+}
+
+/// Frequencies of maxima that are listed with the harmonics.
+#[derive(Default)]
+struct Listed {
+    masked_hz: Vec<f64>,
+    marginal_hz: Vec<f64>,
 }
 
 impl Harmonics {
@@ -147,14 +157,15 @@ pub(crate) fn harmonics_of(
     let window = scaled(options.fundamental_window, static_frequency_hz);
     let top = window.1 * options.second_window.1.max(1.0);
     let search = HarmonicSearch::new(response, (window.0, top), options);
-    let masked = &mut found.masked_hz;
+    let mut listed = Listed::default();
 
-    found.fundamental = search.largest(window, 1.0 / static_frequency_hz, masked);
+    found.fundamental = search.largest(window, 1.0 / static_frequency_hz, &mut listed);
     if let Some(first) = found.fundamental {
         let window = scaled(options.second_window, first.frequency_hz);
-        found.second = search.largest(window, 1.0 / first.frequency_hz, masked);
+        found.second = search.largest(window, 1.0 / first.frequency_hz, &mut listed);
     }
-    found
+    let Listed { masked_hz, marginal_hz } = listed;
+    Harmonics { masked_hz, marginal_hz, ..found }
 }
 
 /// The second harmonic of a fundamental of a known frequency (Hz), as in [`find_harmonics`].
@@ -167,7 +178,7 @@ pub(crate) fn second_harmonic(
     let window = (low * fundamental_hz, high * fundamental_hz);
     // The strength of the force is compared with its largest from the fundamental on.
     let search = HarmonicSearch::new(response, (fundamental_hz.min(window.0), window.1), options);
-    search.largest(window, 1.0 / fundamental_hz, &mut Vec::new())
+    search.largest(window, 1.0 / fundamental_hz, &mut Listed::default())
 }
 
 /// All admissible peaks in a band (Hz), in the order of frequency, as [`find_harmonics`] admits them.
@@ -178,8 +189,9 @@ pub(crate) fn peaks_within(
 ) -> Vec<Peak> {
     let search = HarmonicSearch::new(response, band, options);
     let maxima = search.grid.maxima(band);
-    let peak =
-        |index| search.peak(index, band, 1.0 / search.grid.frequency(index), &mut Vec::new());
+    let peak = |index| {
+        search.peak(index, band, 1.0 / search.grid.frequency(index), &mut Listed::default())
+    };
     maxima.into_iter().filter_map(peak).collect()
 }
 
@@ -199,6 +211,9 @@ const COVERED: f64 = 1.8;
 
 /// Relative distance of a height from the least one within which its minima are found exactly, at least.
 const NEAR: f64 = 0.25;
+
+/// Relative distance of a height from the least one up to which a maximum is marginal.
+const MARGINAL: f64 = 0.07;
 
 /// Ratio of a height and the least one up to which the size of the record's end is predicted, where a filter hides it:
 /// the period before may be larger or smaller by as much where modes beat.
@@ -224,12 +239,12 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         }
     }
 
-    /// The largest admissible peak in a window; the frequencies of masked maxima are added to
-    /// `masked`.
-    fn largest(&self, window: (f64, f64), period: f64, masked: &mut Vec<f64>) -> Option<Peak> {
+    /// The largest admissible peak in a window; the frequencies of masked and marginal maxima are added to
+    /// `listed`.
+    fn largest(&self, window: (f64, f64), period: f64, listed: &mut Listed) -> Option<Peak> {
         let mut maxima = self.grid.maxima(window);
         maxima.sort_by(|&a, &b| self.grid.heights[b].total_cmp(&self.grid.heights[a]));
-        maxima.into_iter().find_map(|index| self.peak(index, window, period, masked))
+        maxima.into_iter().find_map(|index| self.peak(index, window, period, listed))
     }
 
     fn peak(
@@ -237,7 +252,7 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         index: usize,
         (low, high): (f64, f64),
         period: f64,
-        masked: &mut Vec<f64>,
+        Listed { masked_hz, marginal_hz }: &mut Listed,
     ) -> Option<Peak> {
         let on_grid = self.grid.heights[index].sqrt();
         let saddle = self.grid.saddle(index);
@@ -251,17 +266,17 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         let inside = |frequency| frequency > low && frequency < high;
         let refined = refine(self.response, &self.grid, index);
         if weak(here) {
-            masked.extend(Some(refined.unwrap_or(here)).filter(|f| inside(*f)));
+            masked_hz.extend(Some(refined.unwrap_or(here)).filter(|f| inside(*f)));
             return None;
         }
         let frequency_hz = refined.filter(|f| inside(*f))?;
         if weak(frequency_hz) {
-            masked.push(frequency_hz);
+            masked_hz.push(frequency_hz);
             return None;
         }
         let value = self.response.receptance_at(frequency_hz);
         let magnitude = value.norm();
-        let beside = masked.iter().map(|&stronger| leakage_beside(stronger, frequency_hz));
+        let beside = masked_hz.iter().map(|&stronger| leakage_beside(stronger, frequency_hz));
         let beside = beside.fold(1.0, f64::max);
         let least_with = |is_predicted: bool| {
             let end = RecordEnd { period, run_out: self.options.run_out_s, is_predicted };
@@ -280,6 +295,9 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         let sure = magnitude - self.grid.saddle_on_grid(index);
         if (height - least).abs() < NEAR * least || (height >= least && sure < least) {
             height = magnitude - self.grid.exact_saddle(self.response, index);
+        }
+        if (height - least).abs() < MARGINAL * least {
+            marginal_hz.push(frequency_hz);
         }
         (height >= least).then_some(Peak {
             frequency_hz,

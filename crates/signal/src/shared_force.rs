@@ -27,8 +27,9 @@ const ACCEPTED: f64 = 1e-6;
 /// The transform of the force is computed once. The transform of each response
 /// is computed on a grid by one short FFT about the centre of its energy, where it varies slowly
 /// from point to point; peaks and half-power crossings are found on its interpolation, which is
-/// verified against the exact transform beside the fundamental, midway between two points. Intended for records decimated by a
-/// [`DecimationFilter`](crate::DecimationFilter) to the band of interest.
+/// verified against the exact transform beside the fundamental, or beside the static frequency where there is none, midway
+/// between two points. Intended for records decimated by a [`DecimationFilter`](crate::DecimationFilter) to the band of
+/// interest.
 ///
 /// The results equal the results of [`find_harmonics`](crate::find_harmonics) and
 /// [`half_power`](crate::half_power) to 1e-6.
@@ -102,10 +103,7 @@ impl SharedForce {
         let response = CentredTransform::of(displacement, scale, self.length, self.keep)?;
         let hit = SharedHit { shared: self, displacement, response, factor };
         let harmonics = harmonics_of(&hit, static_frequency_hz, options);
-        let Some(first) = harmonics.fundamental else {
-            return Some(ReceptanceFeatures { harmonics, ..ReceptanceFeatures::default() });
-        };
-        let f = first.frequency_hz;
+        let f = harmonics.fundamental.map_or(static_frequency_hz, |first| first.frequency_hz);
         // Between two points of the grid, at which it is exact.
         let between = ((f / hit.step()).floor() + 0.5) * hit.step();
         let exact = transform_at(displacement, self.rate, between).norm()
@@ -113,6 +111,9 @@ impl SharedForce {
         let off = (hit.power(between).sqrt() / exact - 1.0).abs();
         if off.is_nan() || off > ACCEPTED {
             return None;
+        }
+        if harmonics.fundamental.is_none() {
+            return Some(ReceptanceFeatures { harmonics, ..ReceptanceFeatures::default() });
         }
         let power = |frequency| hit.power(frequency);
         let first_step = 0.25 * self.rate / displacement.len() as f64;

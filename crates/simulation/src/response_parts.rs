@@ -20,6 +20,8 @@ pub(crate) struct ResponseParts<'a> {
     pub(crate) peaks: PeakValues,
     /// Frequencies of maxima where the force is too weak \[Hz\].
     pub(crate) masked_hz: Vec<f64>,
+    /// Frequencies of maxima that hardly are peaks, or hardly are none \[Hz\].
+    pub(crate) marginal_hz: Vec<f64>,
     pub(crate) contacts: Vec<ContactMeasures>,
     /// Time without contact at each interface \[s\]; empty where it is not counted.
     pub(crate) contact_lost: Vec<f64>,
@@ -54,6 +56,7 @@ impl<'a> ResponseParts<'a> {
             interfaces,
             peaks: PeakValues::of(features),
             masked_hz: features.harmonics.masked_hz.clone(),
+            marginal_hz: features.harmonics.marginal_hz.clone(),
             contacts: interfaces.iter().zip(records).map(measures).collect(),
             contact_lost: records.iter().map(|record| record.lost).collect(),
             energy: Some(energy),
@@ -72,7 +75,8 @@ impl<'a> ResponseParts<'a> {
         let residual = self.energy.map(|energy| energy.residual_relative());
         let suspect = residual.filter(|residual| *residual > MOST_RESIDUAL);
         let balance = suspect.map(|residual_relative| Warning::EnergyBalance { residual_relative });
-        outside.chain(balance).collect()
+        let peak = |&frequency_hz: &f64| Warning::MarginalPeak { frequency_hz };
+        outside.chain(balance).chain(self.marginal_hz.iter().map(peak)).collect()
     }
 }
 

@@ -66,6 +66,12 @@ pub enum Warning {
         /// Remainder of the balance over the input.
         residual_relative: f64,
     },
+    /// A maximum of the receptance hardly is a peak, or hardly is none: the fundamental or the second harmonic may be
+    /// another, or there may be none.
+    MarginalPeak {
+        /// Frequency \[Hz\].
+        frequency_hz: f64,
+    },
 }
 
 /// Remainder of the energy balance, over the input, up to which there is no warning.
@@ -99,6 +105,7 @@ impl Warning {
             Self::IntegrationDiffers { .. } => "integration_differs",
             Self::NotKept { .. } => "not_kept",
             Self::Unresolved { .. } => "unresolved",
+            Self::MarginalPeak { .. } => "marginal_peak",
         }
     }
 }
@@ -156,6 +163,12 @@ impl fmt::Display for Warning {
                 f,
                 "the energy balance closes to {residual_relative:.1e} of the input only; a smaller \
                  step or cell, or a law without a jump in stiffness, improves it"
+            ),
+            Self::MarginalPeak { frequency_hz } => write!(
+                f,
+                "whether the maximum at {frequency_hz:.2} Hz is a peak is not certain: its height is within 7 % of the least \
+                 that tells a peak from ripples; f1, A1 or A2/A1 depend on it, and a longer `duration_s`, in which the \
+                 motion rings down, decides"
             ),
         }
     }

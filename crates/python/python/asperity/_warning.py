@@ -19,8 +19,8 @@ class AccuracyWarning(AsperityWarning):
     """Doubt about the numbers of a response.
 
     The accuracy asked for was not reached (``accuracy_not_reached``), the energy balance does not close
-    (``energy_balance``), the response depends on rounding (``sensitive``), or time integration gives
-    another steady response (``integration_differs``, ``not_kept``). The names are the kinds in ``summary["warnings"]``.
+    (``energy_balance``), the response depends on rounding (``sensitive``), a maximum is hardly told from a ripple
+    (``marginal_peak``), or time integration gives another steady response (``integration_differs``, ``not_kept``). The names are the kinds in ``summary["warnings"]``.
     """
 
 

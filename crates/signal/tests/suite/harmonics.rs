@@ -120,6 +120,17 @@ fn a_ripple_is_found_to_one_margin_on_all_grids() {
             found
         };
         let fine: f64 = largest_margin(16);
+        // About that margin the ripple is marginal, found or not.
+        let ripple = |leakage_margin: f64| {
+            let padding = 16;
+            let options = HarmonicOptions { padding, leakage_margin, ..HarmonicOptions::default() };
+            find_harmonics(&hit, 850.0, &options)
+        };
+        let at = ripple(0.98 * fine).second.unwrap().frequency_hz;
+        let is_marginal =
+            |part: f64| ripple(part * fine).marginal_hz.iter().any(|f| (f / at - 1.0).abs() < 1e-6);
+        assert!(is_marginal(0.98) && is_marginal(1.02), "{count}");
+        assert!(!is_marginal(0.85) && !is_marginal(1.15), "{count}");
         for padding in [4, 5, 7] {
             let margin = largest_margin(padding);
             assert!((margin / fine - 1.0).abs() < 0.03, "{count} {padding}: {margin} {fine}");

@@ -62,6 +62,7 @@ impl DerivativeTable {
             interfaces: prepared.assembly.structure.contacts(),
             peaks: PeakValues::of(&features),
             masked_hz: Vec::new(),
+            marginal_hz: Vec::new(),
             contacts: contacts.clone(),
             contact_lost: Vec::new(),
             energy: None,
