@@ -78,7 +78,7 @@ pub struct Harmonics {
     /// Frequencies (Hz) of maxima in either window where the force is too weak.
     pub masked_hz: Vec<f64>,
     /// Frequencies (Hz) of maxima, of those no lower than the peak in either window, whose height is within 7 % of the least
-    /// height of a peak: a slightly longer record may decide otherwise about them.
+    /// that tells a peak from ripples: a slightly longer record may decide otherwise about them.
     pub marginal_hz: Vec<f64>,
 }
 
@@ -296,7 +296,8 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         if (height - least).abs() < NEAR * least || (height >= least && sure < least) {
             height = magnitude - self.grid.exact_saddle(self.response, index);
         }
-        if (height - least).abs() < MARGINAL * least {
+        let is_by_ripples = least > self.options.minimum_prominence * magnitude;
+        if is_by_ripples && (height - least).abs() < MARGINAL * least {
             marginal_hz.push(frequency_hz);
         }
         (height >= least).then_some(Peak {
