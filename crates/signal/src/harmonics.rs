@@ -78,7 +78,8 @@ pub struct Harmonics {
     /// Frequencies (Hz) of maxima in either window where the force is too weak.
     pub masked_hz: Vec<f64>,
     /// Frequencies (Hz) of maxima, of those no lower than the peak in either window, whose height is within 7 % of the least
-    /// that tells a peak from ripples: a slightly longer record may decide otherwise about them.
+    /// that tells a peak from ripples, or between two estimates of it where a filter hides the size of the record's end: a
+    /// slightly longer record may decide otherwise about them.
     pub marginal_hz: Vec<f64>,
 }
 
@@ -285,7 +286,8 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
                 .max(self.options.leakage_margin * ripple.leakage * beside)
                 .max(ripple.rounding)
         };
-        let (mut height, mut least) = (magnitude - saddle, least_with(false));
+        let quick = least_with(false);
+        let (mut height, mut least) = (magnitude - saddle, quick);
         // Where it decides, the motion is predicted to the record's end.
         let is_near = (least / BEATING..least * BEATING).contains(&height);
         if self.options.run_out_s > 0.0 && is_near {
@@ -297,7 +299,8 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
             height = magnitude - self.grid.exact_saddle(self.response, index);
         }
         let is_by_ripples = least > self.options.minimum_prominence * magnitude;
-        if is_by_ripples && (height - least).abs() < MARGINAL * least {
+        let is_near = (height - least).abs() < MARGINAL * least;
+        if is_by_ripples && (is_near || (height >= quick) != (height >= least)) {
             marginal_hz.push(frequency_hz);
         }
         (height >= least).then_some(Peak {

@@ -166,9 +166,9 @@ impl fmt::Display for Warning {
             ),
             Self::MarginalPeak { frequency_hz } => write!(
                 f,
-                "whether the maximum at {frequency_hz:.2} Hz is a peak is not certain: its height is within 7 % of the least \
-                 that tells a peak from ripples; f1, A1 or A2/A1 depend on it, and a longer `duration_s`, in which the \
-                 motion rings down, decides"
+                "whether the maximum at {frequency_hz:.2} Hz is a peak is not certain: it is about as high over its minima as the \
+                 ripples of a record that ends while the motion rings; f1, A1 or A2/A1 depend on it, and a longer \
+                 `duration_s` decides"
             ),
         }
     }
