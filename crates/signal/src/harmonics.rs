@@ -83,13 +83,6 @@ pub struct Harmonics {
     pub marginal_hz: Vec<f64>,
 }
 
-/// Frequencies of maxima that are listed with the harmonics.
-#[derive(Default)]
-struct Listed {
-    masked_hz: Vec<f64>,
-    marginal_hz: Vec<f64>,
-}
-
 impl Harmonics {
     /// The second-harmonic ratio `A2/A1 = |H(f2)| / |H(f1)|`, if both peaks exist.
     ///
@@ -158,15 +151,13 @@ pub(crate) fn harmonics_of(
     let window = scaled(options.fundamental_window, static_frequency_hz);
     let top = window.1 * options.second_window.1.max(1.0);
     let search = HarmonicSearch::new(response, (window.0, top), options);
-    let mut listed = Listed::default();
 
-    found.fundamental = search.largest(window, 1.0 / static_frequency_hz, &mut listed);
+    found.fundamental = search.largest(window, 1.0 / static_frequency_hz, &mut found);
     if let Some(first) = found.fundamental {
         let window = scaled(options.second_window, first.frequency_hz);
-        found.second = search.largest(window, 1.0 / first.frequency_hz, &mut listed);
+        found.second = search.largest(window, 1.0 / first.frequency_hz, &mut found);
     }
-    let Listed { masked_hz, marginal_hz } = listed;
-    Harmonics { masked_hz, marginal_hz, ..found }
+    found
 }
 
 /// The second harmonic of a fundamental of a known frequency (Hz), as in [`find_harmonics`].
@@ -179,7 +170,7 @@ pub(crate) fn second_harmonic(
     let window = (low * fundamental_hz, high * fundamental_hz);
     // The strength of the force is compared with its largest from the fundamental on.
     let search = HarmonicSearch::new(response, (fundamental_hz.min(window.0), window.1), options);
-    search.largest(window, 1.0 / fundamental_hz, &mut Listed::default())
+    search.largest(window, 1.0 / fundamental_hz, &mut Harmonics::default())
 }
 
 /// All admissible peaks in a band (Hz), in the order of frequency, as [`find_harmonics`] admits them.
@@ -191,7 +182,7 @@ pub(crate) fn peaks_within(
     let search = HarmonicSearch::new(response, band, options);
     let maxima = search.grid.maxima(band);
     let peak = |index| {
-        search.peak(index, band, 1.0 / search.grid.frequency(index), &mut Listed::default())
+        search.peak(index, band, 1.0 / search.grid.frequency(index), &mut Harmonics::default())
     };
     maxima.into_iter().filter_map(peak).collect()
 }
@@ -241,11 +232,11 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
     }
 
     /// The largest admissible peak in a window; the frequencies of masked and marginal maxima are added to
-    /// `listed`.
-    fn largest(&self, window: (f64, f64), period: f64, listed: &mut Listed) -> Option<Peak> {
+    /// those of `found`.
+    fn largest(&self, window: (f64, f64), period: f64, found: &mut Harmonics) -> Option<Peak> {
         let mut maxima = self.grid.maxima(window);
         maxima.sort_by(|&a, &b| self.grid.heights[b].total_cmp(&self.grid.heights[a]));
-        maxima.into_iter().find_map(|index| self.peak(index, window, period, listed))
+        maxima.into_iter().find_map(|index| self.peak(index, window, period, found))
     }
 
     fn peak(
@@ -253,7 +244,7 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         index: usize,
         (low, high): (f64, f64),
         period: f64,
-        Listed { masked_hz, marginal_hz }: &mut Listed,
+        Harmonics { masked_hz, marginal_hz, .. }: &mut Harmonics,
     ) -> Option<Peak> {
         let on_grid = self.grid.heights[index].sqrt();
         let saddle = self.grid.saddle(index);
@@ -289,8 +280,8 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         let quick = least_with(false);
         let (mut height, mut least) = (magnitude - saddle, quick);
         // Where it decides, the motion is predicted to the record's end.
-        let is_near = (least / BEATING..least * BEATING).contains(&height);
-        if self.options.run_out_s > 0.0 && is_near {
+        let may_beat = (least / BEATING..least * BEATING).contains(&height);
+        if self.options.run_out_s > 0.0 && may_beat {
             least = least_with(true);
         }
         // The least height of the peak, by minima no lower than their grid points. Where they decide, they are found exactly.

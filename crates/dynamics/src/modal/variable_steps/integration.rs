@@ -235,29 +235,26 @@ impl<'a, const N: usize> Integration<'a, N> {
     /// Largest pressure of a contact \[Pa\] by modes that ring, and follow their forces at once at `long` steps. A stiff contact
     /// is pressed through their flexibility, and less than without it.
     fn ringing_pressure(&self, contact: usize, long: &StepCoefficients) -> f64 {
-        let mut closure = 0.0;
-        for (n, mode) in self.model.row_modes().modes.iter().enumerate() {
-            if long.modes[n].follows() {
-                let [apart, velocity] = self.ringing_of(n, mode);
-                closure +=
-                    mode.closure[contact].abs() * apart.hypot(velocity) / mode.angular_frequency;
-            }
-        }
+        let share = |mode: &RowMode| mode.closure[contact].abs() / mode.angular_frequency;
         let stiffness = self.rows.stiffness[contact];
-        closure * stiffness / (1.0 + stiffness * long.follows[contact][contact])
+        self.sum_of_ringing(long, share) * stiffness
+            / (1.0 + stiffness * long.follows[contact][contact])
     }
 
     /// Largest acceleration at a sensor \[m/s2\] by modes that ring, and follow their forces at once at `long` steps.
     fn ringing_at(&self, sensor: usize, long: &StepCoefficients) -> f64 {
-        let mut acceleration = 0.0;
-        for (n, mode) in self.model.row_modes().modes.iter().enumerate() {
-            if long.modes[n].follows() {
-                let [apart, velocity] = self.ringing_of(n, mode);
-                let amplitude = mode.angular_frequency * apart.hypot(velocity);
-                acceleration += mode.sensors[sensor].abs() * amplitude;
-            }
-        }
-        acceleration
+        self.sum_of_ringing(long, |mode| mode.sensors[sensor].abs() * mode.angular_frequency)
+    }
+
+    /// Sum of `share` times the largest velocity of each mode that rings, and follows its forces at once at `long` steps.
+    fn sum_of_ringing(&self, long: &StepCoefficients, share: impl Fn(&RowMode) -> f64) -> f64 {
+        let modes = self.model.row_modes().modes.iter().enumerate();
+        let following = modes.filter(|(n, _)| long.modes[*n].follows());
+        let largest = |(n, mode): (usize, &RowMode)| {
+            let [apart, velocity] = self.ringing_of(n, mode);
+            share(mode) * apart.hypot(velocity)
+        };
+        following.map(largest).sum()
     }
 
     /// Displacement of mode n from where its forces hold it, times its angular frequency, and its velocity.

@@ -27,7 +27,7 @@ pub(in crate::modal) struct Midway {
     contacts: Vec<ContactExtremes>,
     energy: EnergyLedger,
     taken: usize,
-    /// Pressure of each contact \[Pa\] that equal steps leave out; none where it is too small to count.
+    /// Pressure of each contact \[Pa\] that equal steps leave out; zero where it is too small to count.
     left: Vec<f64>,
 }
 
