@@ -31,6 +31,7 @@ const KEPT: f64 = 4.4;
 ///
 /// let filter = DecimationFilter::keeping(200_000.0, 2_700.0);
 /// assert_eq!(filter.factor(), 16);
+/// assert!(DecimationFilter::highest_kept(200_000.0 / 16.0) >= 2_700.0);
 /// let constant = filter.apply(&vec![1.0; 20_000], &(0..20_000));
 /// assert!((constant[600] - 1.0).abs() < 1e-4);
 /// ```
@@ -74,6 +75,11 @@ impl DecimationFilter {
         }
         let factor = factor as usize;
         Self::designed(factor, 1.0 / (oversampling * factor as f64), attenuation)
+    }
+
+    /// The highest frequency \[Hz\] that filters of [`keeping`](Self::keeping) keep of samples decimated to `decimated_rate`.
+    pub fn highest_kept(decimated_rate: f64) -> f64 {
+        decimated_rate / KEPT
     }
 
     /// The filter that keeps the band up to `band` cycles a sample.

@@ -137,10 +137,8 @@ impl ObservableExtractor {
         let passage =
             if has_friction { decimate(&passage_to_rest(record.steps)) } else { Vec::new() };
         let rate = sample_rate(record);
-        // The filter keeps frequencies up to this.
-        let kept = rate / 4.4;
         let force = Arc::new(DecimatedForce {
-            shared: SharedForce::new(&decimated, rate, kept),
+            shared: SharedForce::new(&decimated, rate, DecimationFilter::highest_kept(rate)),
             shape,
             step: record.step,
             steps: record.steps,
