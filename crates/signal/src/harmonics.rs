@@ -77,7 +77,7 @@ pub struct Harmonics {
     pub second: Option<Peak>,
     /// Frequencies (Hz) of maxima in either window where the force is too weak.
     pub masked_hz: Vec<f64>,
-    /// Frequencies (Hz) of maxima, of those no lower than the peak in either window, whose height is within 7 % of the least
+    /// Frequencies (Hz) of maxima, of those no lower than the peak in either window, whose height is within 10 % of the least
     /// that tells a peak from ripples, or between two estimates of it where a filter hides the size of the record's end: a
     /// slightly longer record may decide otherwise about them.
     pub marginal_hz: Vec<f64>,
@@ -205,7 +205,7 @@ const COVERED: f64 = 1.8;
 const NEAR: f64 = 0.25;
 
 /// Relative distance of a height from the least one up to which a maximum is marginal.
-const MARGINAL: f64 = 0.07;
+const MARGINAL: f64 = 0.1;
 
 /// Ratio of a height and the least one up to which the size of the record's end is predicted, where a filter hides it:
 /// the period before may be larger or smaller by as much where modes beat.
@@ -286,7 +286,10 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         }
         // The least height of the peak, by minima no lower than their grid points. Where they decide, they are found exactly.
         let sure = magnitude - self.grid.saddle_on_grid(index);
-        if (height - least).abs() < NEAR * least || (height >= least && sure < least) {
+        // Beside a zero of the force they lie deep between grid points.
+        let may_reach = magnitude >= (1.0 - MARGINAL) * least;
+        let is_deep = beside > 1.0 && height < least && may_reach;
+        if is_deep || (height - least).abs() < NEAR * least || (height >= least && sure < least) {
             height = magnitude - self.grid.exact_saddle(self.response, index);
         }
         let is_by_ripples = least > self.options.minimum_prominence * magnitude;

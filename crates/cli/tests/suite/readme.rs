@@ -51,6 +51,16 @@ fn the_commands_of_the_readme_succeed_and_lose_nothing() {
     decay(&place.join("decay.csv"));
     let problem = crate::identify::quick_problem(&crate::identify::rig());
     std::fs::write(place.join("problem.json"), problem.to_string()).unwrap();
+    let study = serde_json::json!({
+        "schema": "asperity/study/1",
+        "scenario": scenario,
+        "inputs": [
+            {"pointer": "/excitation/peak_n", "name": "force",
+             "distribution": {"kind": "uniform", "lower": 9, "upper": 12}}
+        ],
+        "design": {"kind": "sobol", "rows": 4, "seed": 1}
+    });
+    std::fs::write(place.join("study.json"), study.to_string()).unwrap();
 
     let folders = |out: &Path| -> BTreeSet<String> {
         files(out)
@@ -74,6 +84,7 @@ fn the_commands_of_the_readme_succeed_and_lose_nothing() {
                 "FILE..." => arguments.extend(["hits/1.uff", "hits/2.uff"]),
                 "FOLDER" => arguments.extend(["hits", "--once"]),
                 "PROBLEM" => arguments.push("problem.json"),
+                "STUDY" => arguments.push("study.json"),
                 word => arguments.push(word),
             }
         }
