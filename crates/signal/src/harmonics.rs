@@ -279,17 +279,17 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         };
         let quick = least_with(false);
         let (mut height, mut least) = (magnitude - saddle, quick);
+        // Beside a zero of the force minima lie deep between the points of the grid, and the height may be any up to this.
+        let most = if beside > 1.0 { magnitude } else { height };
         // Where it decides, the motion is predicted to the record's end.
-        let may_beat = (least / BEATING..least * BEATING).contains(&height);
+        let may_beat = height < least * BEATING && most >= least / BEATING;
         if self.options.run_out_s > 0.0 && may_beat {
             least = least_with(true);
         }
-        // The least height of the peak, by minima no lower than their grid points. Where they decide, they are found exactly.
+        // No minimum is higher than its point of the grid. Where they decide, they are found exactly.
         let sure = magnitude - self.grid.saddle_on_grid(index);
-        // Beside a zero of the force they lie deep between grid points.
-        let may_reach = magnitude >= (1.0 - MARGINAL) * least;
-        let is_deep = beside > 1.0 && height < least && may_reach;
-        if is_deep || (height - least).abs() < NEAR * least || (height >= least && sure < least) {
+        let near = NEAR * least;
+        if (sure.min(height - near)..most + near).contains(&least) {
             height = magnitude - self.grid.exact_saddle(self.response, index);
         }
         let is_by_ripples = least > self.options.minimum_prominence * magnitude;
