@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use asperity_law::{CompiledLaw, Friction, Pressure, RelativeTable};
+use asperity_law::Friction;
 use asperity_structure::{Guide, PreloadedContact, PreloadedStructure};
 
+use crate::pressure_increments::PressureIncrements;
 use crate::{HarmonicError, LinearSystem, SystemPort};
 
 /// Evaluation of the laws at the samples of a period.
@@ -24,9 +25,6 @@ impl Default for LawEvaluation {
         Self::Tabulated(1e-8)
     }
 }
-
-/// Static pressures that the table reaches up to.
-const TABLE_TOP: f64 = 12.0;
 
 /// A linear structure and the contacts between its faces, with a load and sensors: the system whose
 /// periodic responses are sought.
@@ -60,7 +58,7 @@ const TABLE_TOP: f64 = 12.0;
 pub struct ContactSystem {
     linear: Arc<dyn LinearSystem>,
     contacts: Vec<PreloadedContact>,
-    tables: Vec<Option<LawTable>>,
+    increments: Vec<PressureIncrements>,
     /// The load, and after it the sensors.
     ports: Vec<SystemPort>,
 }
@@ -83,10 +81,10 @@ impl ContactSystem {
                 contacts: contacts.len(),
             });
         }
-        let tables = contacts.iter().map(|contact| table(contact, evaluation));
-        let tables = tables.collect::<Result<_, _>>()?;
+        let increments = contacts.iter().map(|one| PressureIncrements::new(one, evaluation));
+        let increments = increments.collect::<Result<_, _>>()?;
         let ports = vec![linear.default_port(); 2];
-        Ok(Self { linear, contacts, tables, ports })
+        Ok(Self { linear, contacts, increments, ports })
     }
 
     /// The system with its load and its sensors at other ports.
@@ -242,10 +240,9 @@ impl ContactSystem {
     ) {
         let contact = &self.contacts[interface];
         let area = contact.area();
-        let table = self.tables[interface].as_ref();
+        let increments = &self.increments[interface];
         for (&x, (force, tangent)) in closures.iter().zip(forces.iter_mut().zip(tangents)) {
-            let tabulated = table.and_then(|table| table.get(x));
-            let found = tabulated.unwrap_or_else(|| contact.pressure_increment(x));
+            let found = increments.at(contact, x);
             (*force, *tangent) = (area * found.value, area * found.tangent);
         }
     }
@@ -254,78 +251,9 @@ impl ContactSystem {
     pub(crate) fn tangents(&self, interface: usize, closures: &[f64], tangents: &mut [f64]) {
         let contact = &self.contacts[interface];
         let area = contact.area();
-        let table = self.tables[interface].as_ref();
+        let increments = &self.increments[interface];
         for (&x, tangent) in closures.iter().zip(tangents) {
-            let tabulated = table.and_then(|table| table.get(x));
-            let found = tabulated.unwrap_or_else(|| contact.pressure_increment(x));
-            *tangent = area * found.tangent;
+            *tangent = area * increments.at(contact, x).tangent;
         }
     }
-}
-
-/// A contact's law in a table: pressure increments and tangents over closure increments from rest.
-#[derive(Debug, Clone)]
-enum LawTable {
-    /// Of a law that separates, to a relative error: tangents of a table to an absolute one have no digits next to an
-    /// opening.
-    FromContact {
-        table: RelativeTable,
-        /// Closure increment of first contact \[m\].
-        first: f64,
-        /// Pressure at rest \[Pa\], of the table and of the law: the increment at rest is exactly zero.
-        at_rest: [f64; 2],
-    },
-    /// Of another law.
-    FromRest(CompiledLaw),
-}
-
-impl LawTable {
-    /// Pressure increment and tangent; none outside the table.
-    #[inline]
-    fn get(&self, x: f64) -> Option<Pressure> {
-        match self {
-            Self::FromContact { table, first, at_rest } => {
-                let closure = x - first;
-                if closure < 0.0 {
-                    return Some(Pressure::lost_from(at_rest[1]));
-                }
-                let found = table.get(closure)?;
-                Some(Pressure { value: found.value - at_rest[0], ..found })
-            }
-            Self::FromRest(table) => {
-                let (value, tangent) = table.get_with_tangent(x);
-                (!value.is_nan()).then_some(Pressure { value, tangent })
-            }
-        }
-    }
-}
-
-/// The table of a contact's law, if it is to be tabulated and has a static pressure to refer to.
-fn table(
-    contact: &PreloadedContact,
-    evaluation: LawEvaluation,
-) -> Result<Option<LawTable>, HarmonicError> {
-    let (stiffness, pressure) = (contact.stiffness(), contact.pressure());
-    let interface = || contact.name().to_owned();
-    if stiffness <= 0.0 && contact.gap() == 0.0 {
-        return Err(HarmonicError::NoStiffness {
-            interface: interface(),
-            pressure_pa: pressure,
-            stiffness_pa_per_m: stiffness,
-        });
-    }
-    let LawEvaluation::Tabulated(tolerance) = evaluation else { return Ok(None) };
-    crate::error::positive("tolerance of tables of laws", tolerance)?;
-    let (law, top) = (contact.law(), TABLE_TOP * pressure);
-    if pressure <= 0.0 {
-        return Ok(None);
-    }
-    if let Some(table) = RelativeTable::new(&**law, top) {
-        let first = law.closure(0.0) - contact.closure();
-        let own = table.get(0.0 - first).map_or(pressure, |found| found.value);
-        return Ok(Some(LawTable::FromContact { table, first, at_rest: [own, pressure] }));
-    }
-    let table = CompiledLaw::new(law, pressure, top, tolerance);
-    let named = |source| HarmonicError::Law { interface: interface(), source };
-    Ok(Some(LawTable::FromRest(table.map_err(named)?)))
 }

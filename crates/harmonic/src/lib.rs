@@ -28,6 +28,7 @@
 //! | `rigid_mass`, `elastic_bars`, `bars_on_springs`, `bar`, `component_modes` | linear systems: a rigid mass, bars in closed form, component modes |
 //! | `modal_damping` | damping ratios of linearised modes in receptances |
 //! | `contact_system` | a linear structure with its contacts |
+//! | `pressure_increments` | the pressure of a contact over its closure, both from rest |
 //! | `condensed_stack` | a stack without the inertia of light bodies between contacts |
 //! | `fourier`, `balance` | series and samples; the equations with their derivatives |
 //! | `linear_response` | the response of the linearised structure |
@@ -101,6 +102,7 @@ mod many_contacts_tests;
 mod modal_damping;
 mod periodic_response;
 mod port;
+mod pressure_increments;
 mod rigid_mass;
 mod settings;
 mod stepped_sine;

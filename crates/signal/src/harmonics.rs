@@ -78,8 +78,9 @@ pub struct Harmonics {
     /// Frequencies (Hz) of maxima in either window where the force is too weak.
     pub masked_hz: Vec<f64>,
     /// Frequencies (Hz) of maxima, of those no lower than the peak in either window, whose height is within 10 % of the least
-    /// that tells a peak from ripples, or between two estimates of it where a filter hides the size of the record's end: a
-    /// slightly longer record may decide otherwise about them.
+    /// that tells a peak from ripples, or between two estimates of it where a filter hides the size of the record's end, or
+    /// where the force is within 10 % of too weak, and of maxima that are lower than the fundamental by less than 0.3 %: a slightly
+    /// longer record or pulse may decide otherwise about them.
     pub marginal_hz: Vec<f64>,
 }
 
@@ -152,10 +153,13 @@ pub(crate) fn harmonics_of(
     let top = window.1 * options.second_window.1.max(1.0);
     let search = HarmonicSearch::new(response, (window.0, top), options);
 
-    found.fundamental = search.largest(window, 1.0 / static_frequency_hz, &mut found);
+    let (fundamental, equals) = search.largest(window, 1.0 / static_frequency_hz, &mut found);
+    found.fundamental = fundamental;
+    // That of a second harmonic is one magnitude with any of them.
+    found.marginal_hz.extend(equals);
     if let Some(first) = found.fundamental {
         let window = scaled(options.second_window, first.frequency_hz);
-        found.second = search.largest(window, 1.0 / first.frequency_hz, &mut found);
+        (found.second, _) = search.largest(window, 1.0 / first.frequency_hz, &mut found);
     }
     found
 }
@@ -170,7 +174,7 @@ pub(crate) fn second_harmonic(
     let window = (low * fundamental_hz, high * fundamental_hz);
     // The strength of the force is compared with its largest from the fundamental on.
     let search = HarmonicSearch::new(response, (fundamental_hz.min(window.0), window.1), options);
-    search.largest(window, 1.0 / fundamental_hz, &mut Harmonics::default())
+    search.largest(window, 1.0 / fundamental_hz, &mut Harmonics::default()).0
 }
 
 /// All admissible peaks in a band (Hz), in the order of frequency, as [`find_harmonics`] admits them.
@@ -204,8 +208,14 @@ const COVERED: f64 = 1.8;
 /// Relative distance of a height from the least one within which its minima are found exactly, at least.
 const NEAR: f64 = 0.25;
 
-/// Relative distance of a height from the least one up to which a maximum is marginal.
+/// Relative distance of a height, and of the force, from the least one up to which a maximum is marginal.
 const MARGINAL: f64 = 0.1;
+
+/// Magnitude of a maximum over that on the grid at most, unless it is narrower than a step of it.
+const BETWEEN: f64 = 1.1;
+
+/// Relative difference of two maxima up to which either may be the largest, three times the usual accuracy of a response.
+const EQUAL: f64 = 3e-3;
 
 /// Ratio of a height and the least one up to which the size of the record's end is predicted, where a filter hides it:
 /// the period before may be larger or smaller by as much where modes beat.
@@ -231,12 +241,49 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         }
     }
 
-    /// The largest admissible peak in a window; the frequencies of masked and marginal maxima are added to
-    /// those of `found`.
-    fn largest(&self, window: (f64, f64), period: f64, found: &mut Harmonics) -> Option<Peak> {
+    /// The largest admissible peak in a window, and the frequencies (Hz) of lower maxima that equal it; those of masked and
+    /// marginal maxima are added to those of `found`.
+    fn largest(
+        &self,
+        window: (f64, f64),
+        period: f64,
+        found: &mut Harmonics,
+    ) -> (Option<Peak>, Vec<f64>) {
         let mut maxima = self.grid.maxima(window);
         maxima.sort_by(|&a, &b| self.grid.heights[b].total_cmp(&self.grid.heights[a]));
-        maxima.into_iter().find_map(|index| self.peak(index, window, period, found))
+        let mut maxima = maxima.into_iter();
+        let first = maxima.find_map(|index| self.peak(index, window, period, found));
+        let Some(mut largest) = first else { return (None, Vec::new()) };
+        let mut near_it = Vec::new();
+        // The order on the grid need not be that of the maxima between its points.
+        let near = |index: &usize| self.grid.heights[*index].sqrt() * BETWEEN >= largest.magnitude;
+        for index in maxima.take_while(near).collect::<Vec<_>>() {
+            let refined = refine(self.response, &self.grid, index);
+            let Some(other_hz) = refined.filter(|f| window.0 < *f && *f < window.1) else {
+                continue;
+            };
+            let magnitude = self.response.receptance_at(other_hz).norm();
+            let is_strong = self.response.force_magnitude(other_hz) >= self.force_floor;
+            if !is_strong || magnitude <= (1.0 - EQUAL) * largest.magnitude {
+                continue;
+            }
+            // Of two equal maxima the lower one may be no more than a ripple beside the other.
+            let mut with_other = found.clone();
+            let other = self.peak(index, window, period, &mut with_other);
+            let other = other.filter(|other| other.magnitude > largest.magnitude);
+            near_it.push((other_hz, magnitude));
+            if let Some(other) = other {
+                *found = with_other;
+                near_it.push((largest.frequency_hz, largest.magnitude));
+                largest = other;
+            }
+        }
+        let is_equal = |(frequency, magnitude): (f64, f64)| {
+            let is_other = frequency != largest.frequency_hz;
+            (is_other && magnitude > (1.0 - EQUAL) * largest.magnitude).then_some(frequency)
+        };
+        let equals = near_it.into_iter().filter_map(is_equal).collect();
+        (Some(largest), equals)
     }
 
     fn peak(
@@ -253,22 +300,25 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         if on_grid - saddle < 0.5 * self.options.minimum_prominence * on_grid {
             return None;
         }
-        let here = self.grid.frequency(index);
-        let weak = |frequency| self.response.force_magnitude(frequency) < self.force_floor;
-        let inside = |frequency| frequency > low && frequency < high;
+        // Beside a zero of the force it may be weak at the point of the grid and not at the maximum.
         let refined = refine(self.response, &self.grid, index);
-        if weak(here) {
-            masked_hz.extend(Some(refined.unwrap_or(here)).filter(|f| inside(*f)));
+        let frequency_hz = refined.unwrap_or_else(|| self.grid.frequency(index));
+        if !(low < frequency_hz && frequency_hz < high) {
             return None;
         }
-        let frequency_hz = refined.filter(|f| inside(*f))?;
-        if weak(frequency_hz) {
+        let force = self.response.force_magnitude(frequency_hz);
+        let is_weak = force < self.force_floor;
+        let is_near_floor = (force - self.force_floor).abs() < MARGINAL * self.force_floor;
+        if is_weak {
             masked_hz.push(frequency_hz);
+        }
+        if refined.is_none() || (is_weak && !is_near_floor) {
             return None;
         }
         let value = self.response.receptance_at(frequency_hz);
         let magnitude = value.norm();
-        let beside = masked_hz.iter().map(|&stronger| leakage_beside(stronger, frequency_hz));
+        let others = masked_hz.iter().filter(|&&other| other != frequency_hz);
+        let beside = others.map(|&stronger| leakage_beside(stronger, frequency_hz));
         let beside = beside.fold(1.0, f64::max);
         let least_with = |is_predicted: bool| {
             let end = RecordEnd { period, run_out: self.options.run_out_s, is_predicted };
@@ -294,10 +344,12 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         }
         let is_by_ripples = least > self.options.minimum_prominence * magnitude;
         let is_near = (height - least).abs() < MARGINAL * least;
-        if is_by_ripples && (is_near || (height >= quick) != (height >= least)) {
+        let is_hardly_higher = is_by_ripples && (is_near || (height >= quick) != (height >= least));
+        let is_high = height >= least;
+        if is_hardly_higher || (is_near_floor && is_high) {
             marginal_hz.push(frequency_hz);
         }
-        (height >= least).then_some(Peak {
+        (is_high && !is_weak).then_some(Peak {
             frequency_hz,
             magnitude,
             value,

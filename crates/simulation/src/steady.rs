@@ -393,14 +393,21 @@ fn level<S: Shaken>(
     let branches = [branch, other_part].into_iter().flatten();
     let ranges = Branch::ranges_without_stable(branches, from, to);
     let motions = S::motions(assembly, force_n, &ranges);
-    let check = match branch.and_then(|branch| TimeCheck::place(branch, other_part)) {
-        Some(peak) if request.verify => Some(S::time_check(assembly, peak)?),
-        _ => None,
+    let place = branch.and_then(|branch| TimeCheck::place(branch, other_part));
+    let checked = place.filter(|_| request.verify);
+    let check = checked.map(|response| S::time_check(assembly, response)).transpose()?;
+    // From rest it may have settled on another motion; the state of bodies without inertia is not known.
+    let kept = || {
+        let response = checked.filter(|_| first.condensed.is_none())?;
+        S::from_own_state(assembly, response).filter(TimeCheck::is_kept)
     };
+    let differs = check.as_ref().and_then(TimeCheck::warning);
+    let differs =
+        differs.map(|warning| if kept().is_some() { warning.of_another_motion() } else { warning });
     let level = |found: FoundBranch| found.level(assembly, force_n, &ranges);
     let second = second.map(level);
     let mut first = SteadyLevel { check, motions, ..level(first) };
-    first.warnings.extend(first.check.as_ref().and_then(TimeCheck::warning));
+    first.warnings.extend(differs);
     Ok((first, second))
 }
 

@@ -43,6 +43,14 @@ pub enum Warning {
         /// Difference of the fundamentals over the integrated one.
         relative_difference: f64,
     },
+    /// Time integration from rest settles on another motion than a steady response, and from its own state it stays
+    /// there: both exist.
+    AnotherMotion {
+        /// Frequency \[Hz\].
+        frequency_hz: f64,
+        /// Difference of the fundamentals over the integrated one.
+        relative_difference: f64,
+    },
     /// The largest stable steady response is left by time integration from its own state.
     NotKept {
         /// Frequency \[Hz\].
@@ -95,6 +103,16 @@ impl Warning {
         })
     }
 
+    /// The warning of another motion in place of one of a difference from time integration.
+    pub(crate) fn of_another_motion(self) -> Self {
+        match self {
+            Self::IntegrationDiffers { frequency_hz, relative_difference } => {
+                Self::AnotherMotion { frequency_hz, relative_difference }
+            }
+            other => other,
+        }
+    }
+
     /// Name of the kind, as in `summary.json`.
     pub fn kind(&self) -> &'static str {
         match self {
@@ -103,6 +121,7 @@ impl Warning {
             Self::AccuracyNotReached { .. } => "accuracy_not_reached",
             Self::Sensitive { .. } => "sensitive",
             Self::IntegrationDiffers { .. } => "integration_differs",
+            Self::AnotherMotion { .. } => "another_motion",
             Self::NotKept { .. } => "not_kept",
             Self::Unresolved { .. } => "unresolved",
             Self::MarginalPeak { .. } => "marginal_peak",
@@ -144,6 +163,13 @@ impl fmt::Display for Warning {
                  harmonics, `bodies` elastic, or a stepped sine decide",
                 100.0 * relative_difference
             ),
+            Self::AnotherMotion { frequency_hz, relative_difference } => write!(
+                f,
+                "at {frequency_hz:.3} Hz time integration from rest settles on another motion, whose fundamental \
+                 differs by {:.1} %; from the state of the response it stays there: both exist, and which one the \
+                 structure takes depends on how it comes there, as a stepped sine (--sweep) shows",
+                100.0 * relative_difference
+            ),
             Self::NotKept { frequency_hz, relative_difference, scatter } => write!(
                 f,
                 "time integration from the largest stable response, at {frequency_hz:.3} Hz, does not keep it: the \
@@ -166,9 +192,10 @@ impl fmt::Display for Warning {
             ),
             Self::MarginalPeak { frequency_hz } => write!(
                 f,
-                "whether the maximum at {frequency_hz:.2} Hz is a peak is not certain: it is about as high over its minima as the \
-                 ripples of a record that ends while the motion rings; f1, A1 or A2/A1 depend on it, and a longer \
-                 `duration_s` decides"
+                "whether the maximum at {frequency_hz:.2} Hz is the largest peak is not certain: it is about as high over its minima \
+                 as the ripples of a record that ends while the motion rings, or as another maximum, or the force there is \
+                 hardly strong enough; f1, A1 or A2/A1 depend on it, and a longer `duration_s`, or a pulse of another \
+                 length, decides"
             ),
         }
     }

@@ -48,7 +48,8 @@ impl FrictionMonodromy {
         let elements = self.phases.follow(system, closures, w);
         let springs = elements.iter().map(|element| element.friction.stiffness());
         let stiffest = self.phases.stiffest() + springs.fold(0.0, f64::max);
-        let damped = variation.highest_damping(self.phases.strongest_damper(), stiffest);
+        let all = vec![stiffest; variation.interfaces()];
+        let damped = variation.highest_damping(self.phases.strongest_damper(), &all);
         let coupled =
             system.is_damped() || variation.is_retarded() || !variation.dampers.is_empty();
         let fastest = variation.highest_frequency(stiffest).max(if coupled { damped } else { 0.0 });

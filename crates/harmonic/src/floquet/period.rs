@@ -32,6 +32,10 @@ pub(super) struct Period {
 /// Contacts from which on their matrices are interpolated between nodes of the period.
 pub(super) const MANY: usize = 24;
 
+/// Steps from which on the highest frequency is that of the modes on the stiffest contacts, in place of a bound without
+/// matrices that takes the stiffest one for all.
+const MANY_STEPS: usize = 4096;
+
 /// Nodes at first and at most, and the largest error of cubics at the nodes between them, over the largest entry of all
 /// matrices.
 const FEWEST_NODES: usize = 64;
@@ -87,13 +91,21 @@ impl Period {
         }
         // The steps of the motion before resolve most motions; they are counted again for this one.
         self.sample(system, closures, w, self.steps.max(1));
-        let stiffest = self.stiffest();
-        let frequency = variation.highest_frequency(stiffest);
-        let damped = variation.highest_damping(self.strongest_damper(), stiffest);
+        let stiffest = self.stiffest_of_each();
+        let damped = variation.highest_damping(self.strongest_damper(), &stiffest);
         let coupled =
             system.is_damped() || variation.is_retarded() || !variation.dampers.is_empty();
-        let fastest = if coupled { frequency.max(damped) } else { frequency };
-        let steps = steps(fastest, w, self.contact_lost())?;
+        let lost = self.contact_lost();
+        let steps = |frequency: f64| {
+            steps(if coupled { frequency.max(damped) } else { frequency }, w, lost)
+        };
+        let mut wanted = steps(variation.highest_frequency(self.stiffest()));
+        if wanted.is_none_or(|count| count > MANY_STEPS)
+            && let Some(frequency) = variation.highest_frequency_on(&stiffest)
+        {
+            wanted = steps(frequency);
+        }
+        let steps = wanted?;
         if steps != self.steps {
             self.sample(system, closures, w, steps);
         }
@@ -214,9 +226,12 @@ impl Period {
 
     /// The largest tangent sampled \[N/m\]; NaN if one is not a number.
     pub(super) fn stiffest(&self) -> f64 {
-        self.tangents
-            .iter()
-            .fold(0.0, |largest, &k| if k > largest || k.is_nan() { k } else { largest })
+        largest(&self.tangents)
+    }
+
+    /// The largest tangent sampled of each contact \[N/m\]; NaN where one is not a number.
+    fn stiffest_of_each(&self) -> Vec<f64> {
+        self.tangents.chunks_exact(self.steps * self.places.len()).map(largest).collect()
     }
 
     /// The largest damper sampled \[N s/m\]; zero without damped contacts.
@@ -236,16 +251,10 @@ impl Period {
         self.stiffness.resize(count * n * n, 0.0);
         let dissipates = !self.dampers.is_empty() || variation.is_retarded();
         self.damping.resize(if dissipates { count * n * n } else { 0 }, 0.0);
-        let Self { tangents, dampers, stiffness, damping, modal, .. } = self;
-        if let Some(modal) = modal {
-            for (place, out) in stiffness.chunks_exact_mut(n * n).enumerate() {
-                let damper = |i: usize| dampers.get(i * count + place).copied().unwrap_or(0.0);
-                let damping =
-                    if dissipates { &mut damping[place * n * n..][..n * n] } else { &mut [] };
-                modal.write(|i| tangents[i * count + place], damper, out, damping);
-            }
-            return;
+        if self.is_modal() {
+            return self.condense_to_modes(variation);
         }
+        let Self { tangents, dampers, stiffness, damping, .. } = self;
         vectorised(
             #[inline(always)]
             || {
@@ -259,6 +268,60 @@ impl Period {
                 }
             },
         );
+    }
+
+    /// [`condense`](Self::condense) in the coordinates of the modes, by way of the few matrices of the pairs.
+    fn condense_to_modes(&mut self, variation: &mut VariationalEquation) {
+        let Self { tangents, dampers, stiffness, damping, interfaces: n, .. } = self;
+        let (n, modes) = (*n, variation.modes.len());
+        let count = self.steps * self.places.len();
+        let shapes: Vec<f64> = (0..n * modes)
+            .map(|place| variation.modes[place % modes].closure[place / modes])
+            .collect();
+        let (mut pairs, mut of_pairs) = (vec![0.0; n * n], vec![0.0; n * n]);
+        let mut forces = vec![0.0; n * modes];
+        let square = modes * modes;
+        vectorised(
+            #[inline(always)]
+            || {
+                for place in 0..count {
+                    variation.stiffness(|i| tangents[i * count + place], &mut pairs);
+                    let out = &mut stiffness[place * square..][..square];
+                    to_modes(&shapes, &pairs, &mut forces, out);
+                    let Some(out) = damping.get_mut(place * square..(place + 1) * square) else {
+                        continue;
+                    };
+                    let damper = |i: usize| dampers.get(i * count + place).copied().unwrap_or(0.0);
+                    variation.damping(damper, &pairs, &mut of_pairs);
+                    to_modes(&shapes, &of_pairs, &mut forces, out);
+                }
+            },
+        );
+    }
+}
+
+/// The largest number of at least zero; NaN if one is not a number.
+fn largest(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |most, &k| if k > most || k.is_nan() { k } else { most })
+}
+
+/// Writes `Phi^T M Phi`, all by rows: `shapes` Phi has a row for each pair, M is the matrix of the `pairs`. `forces` is memory
+/// for `M Phi`.
+#[inline]
+fn to_modes(shapes: &[f64], pairs: &[f64], forces: &mut [f64], out: &mut [f64]) {
+    let n = pairs.len().isqrt();
+    let modes = shapes.len() / n;
+    forces.fill(0.0);
+    for (force, row) in forces.chunks_exact_mut(modes).zip(pairs.chunks_exact(n)) {
+        for (entry, shape) in row.iter().zip(shapes.chunks_exact(modes)) {
+            add(force, *entry, shape);
+        }
+    }
+    out.fill(0.0);
+    for (shape, force) in shapes.chunks_exact(modes).zip(forces.chunks_exact(modes)) {
+        for (phi, to) in shape.iter().zip(out.chunks_exact_mut(modes)) {
+            add(to, *phi, force);
+        }
     }
 }
 

@@ -53,6 +53,12 @@ impl Case {
         let contact = |_: &Body| Interface::new("contact", area, law.clone()).unwrap();
         let contacts = bodies.iter().map(contact).collect();
         let stack = Stack::new(bodies, contacts, Support::Rigid, 9.81).unwrap();
+        Self::of(stack, elastic_modes, &mut random)
+    }
+
+    /// A stack with a motion of three harmonics.
+    fn of(stack: Stack, elastic_modes: usize, random: &mut Random) -> Self {
+        let count = stack.bodies().len();
         let rate = random.between(0.0, 800.0);
         let structure = PreloadedStructure::new(stack, Damping::Rate(rate)).unwrap();
         let system = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
@@ -107,6 +113,37 @@ fn distance(multipliers: &[Complex64], others: &[Complex64]) -> f64 {
     let nearest =
         |x: &Complex64| others.iter().map(|y| (x - y).norm()).fold(f64::INFINITY, f64::min);
     multipliers.iter().map(nearest).fold(0.0, f64::max)
+}
+
+/// A light cap on a soft contact over a heavy body on a stiff one: the highest frequency is far below that of the cap on the
+/// stiff contact, and in steps for it the method damps the fastest mode by less than the 1e-3 a period that it allows.
+#[test]
+fn contacts_of_unequal_stiffness_take_the_steps_of_their_own_modes() {
+    for seed in 0..12 {
+        let mut random = Random(seed);
+        let bodies = vec![
+            Body::with_mass("cap", 0.01, random.between(1e-3, 3e-3), 71e9, 2710.0).unwrap(),
+            Body::with_mass("block", 0.1, random.between(1.0, 4.0), 71e9, 2710.0).unwrap(),
+        ];
+        let contact = |coefficient| {
+            let law = Power::new(coefficient, 0.35, 0.0).unwrap();
+            Interface::new("contact", 1.15e-4, Arc::new(law)).unwrap()
+        };
+        let contacts = vec![contact(random.between(1e7, 1e8)), contact(random.between(1e12, 3e12))];
+        let stack = Stack::new(bodies, contacts, Support::Rigid, 9.81).unwrap();
+        let mut case = Case::of(stack, 0, &mut random);
+
+        let mut period = Period::new(&PLACES);
+        let conditions = (&case.closures[..], case.w);
+        period.resolve(&case.system, &mut case.variation, conditions, RungeKutta::steps).unwrap();
+        let bound = case.variation.highest_frequency(period.stiffest());
+        let most = RungeKutta::steps(bound, case.w, false).unwrap_or(usize::MAX);
+        let steps = period.steps();
+        assert!(4 * steps < most, "seed {seed}: {steps} and {most} steps");
+        let found = eigenvalues(&case.runge_kutta(steps));
+        let off = distance(&found, &eigenvalues(&case.runge_kutta(8 * steps)));
+        assert!(off < 1e-3, "seed {seed}: {off:.1e}");
+    }
 }
 
 /// The error of the matrix falls with the fourth power of the step, in as many modes as bodies: with

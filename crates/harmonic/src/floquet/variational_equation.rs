@@ -177,6 +177,13 @@ impl VariationalEquation {
         self.modes.iter().map(square).fold(0.0, f64::max).sqrt()
     }
 
+    /// The highest frequency \[rad/s\] with contacts of the stiffnesses `springs` \[N/m\], none in guides.
+    pub(super) fn highest_frequency_on(&mut self, springs: &[f64]) -> Option<f64> {
+        let are_numbers = springs.iter().all(|k| k.is_finite());
+        let modes = are_numbers.then(|| self.linearised(springs)).flatten()?;
+        Some(modes.squares.into_iter().fold(0.0, f64::max).sqrt())
+    }
+
     /// The highest frequency \[rad/s\] and damping rate \[1/s\] of the modes without contacts.
     pub(super) fn highest(&self) -> (f64, f64) {
         let excess = self.dampers.iter().map(|damper| damper.excess).fold(0.0, f64::max);
@@ -186,11 +193,11 @@ impl VariationalEquation {
     }
 
     /// An upper estimate of the highest damping rate [1/s] with contact dampers up to `damper` [N s/m]
-    /// and stiffnesses up to `stiffness` [N/m].
-    pub(super) fn highest_damping(&self, damper: f64, stiffness: f64) -> f64 {
+    /// and contacts of stiffnesses up to `springs` [N/m], none in guides.
+    pub(super) fn highest_damping(&self, damper: f64, springs: &[f64]) -> f64 {
         let n = self.interfaces();
         let retarded = |(i, entry): (usize, &f64)| {
-            let flexibility = self.flexibility[i][i];
+            let (flexibility, stiffness) = (self.flexibility[i][i], springs.get(i).unwrap_or(&0.0));
             entry * (stiffness / (1.0 + stiffness * flexibility)).powi(2)
         };
         let damper =

@@ -13,7 +13,9 @@ use asperity_mesh::{
 use asperity_structure::{Damping, PreloadedStructure};
 use num_complex::Complex64;
 
-use crate::rigs::{AREA, Law, branch, mass_on, preloaded, rate_on, rig};
+use crate::rigs::{
+    AREA, Law, branch, exponential, mass_on, modified, power, preloaded, rate_on, rig,
+};
 
 fn constant() -> Law {
     Arc::new(Constant::new(8.5e11).unwrap())
@@ -58,6 +60,30 @@ fn the_single_mass_is_the_textbook_oscillator() {
             let off = (point.displacement[0] - exact).norm() / exact.norm();
             assert!(off < 3e-12, "{off:.1e} at {w}");
             assert!(point.amplitude(2) < 1e-12 * exact.norm());
+        }
+    }
+}
+
+/// Forces that move contacts by 1e-5 to 1e-14 of their pressure: the linear response in as many points, by laws in tables
+/// and by the laws themselves.
+#[test]
+fn responses_to_forces_of_any_smallness_are_linear() {
+    for law in [power(), modified(), exponential()] {
+        let structure = preloaded(rig(&law, Support::Rigid), 370.0);
+        for evaluation in [LawEvaluation::Exact, LawEvaluation::default()] {
+            let system = ContactSystem::of_structure(&structure, evaluation).unwrap();
+            let points = [1e-5, 1e-8, 1e-11, 1e-14].map(|force| {
+                let sweep = Continuation::Frequency { force, from: 500.0, to: 3000.0 };
+                let found = branch(&system, sweep, (3, 32));
+                assert!(found.is_complete(), "{force} N: {:?}", found.termination);
+                for point in &found.points {
+                    let exact = force * linear_receptance(&system, point.frequency_hz());
+                    let off = (point.displacement[0] - exact).norm() / exact.norm();
+                    assert!(off < 1e-8, "{off:.1e} at {force} N, {} Hz", point.frequency_hz());
+                }
+                found.points.len()
+            });
+            assert!(points.iter().all(|&count| count == points[0] && count < 200), "{points:?}");
         }
     }
 }

@@ -62,12 +62,14 @@ impl TimeCheck {
     /// changes.
     pub(super) fn not_kept(&self) -> Option<Warning> {
         let Self { frequency_hz, relative_difference, scatter, .. } = *self;
-        let kept = match self.motion {
-            SteadyMotion::NotSettled => return None,
-            SteadyMotion::Apart => false,
-            _ => relative_difference.max(scatter) <= KEPT,
-        };
-        (!kept).then_some(Warning::NotKept { frequency_hz, relative_difference, scatter })
+        let left = self.motion != SteadyMotion::NotSettled && !self.is_kept();
+        left.then_some(Warning::NotKept { frequency_hz, relative_difference, scatter })
+    }
+
+    /// True if time integration from the state of a response stays there.
+    pub(super) fn is_kept(&self) -> bool {
+        let settled = !matches!(self.motion, SteadyMotion::NotSettled | SteadyMotion::Apart);
+        settled && self.relative_difference.max(self.scatter) <= KEPT
     }
 
     /// The highest stable response at a frequency that the branch, with its other part, meets only once, its peak

@@ -342,6 +342,27 @@ fn the_largest_stable_response_is_kept_by_time_integration() {
     }
 }
 
+/// Integration from rest settles on a motion of twice the period, an amplitude a fifth lower, and from the state of the
+/// response stays there: both exist, which is another warning than a branch that may be wrong.
+#[test]
+fn a_response_beside_another_motion_is_not_said_to_be_wrong() {
+    // Aluminium: modulus over density is what matters beside the mass.
+    let bodies = [(0.08531, 1.69, 2e11), (0.07612, 0.6473, 71e9 * 7850.0 / 2700.0)];
+    let faces = [(3.416e-4, 1.084e9, Some(0.5982)), (7.658e-4, 1.173e9, Some(0.3171))];
+    let request = request(5.27, BodyModel::Elastic);
+    let request = SteadyRequest { verify: true, from_hz: 481.5, to_hz: 480.8, ..request };
+    let found = steady(&stack(&bodies, &faces, 0.01211), &request).unwrap();
+    let level = &found.levels[0];
+    let [Warning::AnotherMotion { frequency_hz, relative_difference }] = level.warnings[..] else {
+        panic!("{:?}", level.warnings)
+    };
+    let check = level.check.unwrap();
+    assert!(check.frequency_hz == frequency_hz && check.relative_difference == relative_difference);
+    assert!((0.1..0.4).contains(&relative_difference), "{check:?}");
+    let text = level.warnings[0].to_string();
+    assert!(text.contains("both exist") && level.warnings[0].kind() == "another_motion", "{text}");
+}
+
 /// Thirty harmonics call a response stable that sixty call unstable: time integration from it scatters, and the
 /// answer says so.
 #[test]
