@@ -396,14 +396,13 @@ fn level<S: Shaken>(
     let place = branch.and_then(|branch| TimeCheck::place(branch, other_part));
     let checked = place.filter(|_| request.verify);
     let check = checked.map(|response| S::time_check(assembly, response)).transpose()?;
-    // From rest it may have settled on another motion; the state of bodies without inertia is not known.
-    let kept = || {
-        let response = checked.filter(|_| first.condensed.is_none())?;
-        S::from_own_state(assembly, response).filter(TimeCheck::is_kept)
+    // The state of bodies without inertia is not known.
+    let is_kept = || {
+        let response = checked.filter(|_| first.condensed.is_none());
+        let own = response.and_then(|response| S::from_own_state(assembly, response));
+        own.is_some_and(|own| own.is_kept())
     };
-    let differs = check.as_ref().and_then(TimeCheck::warning);
-    let differs =
-        differs.map(|warning| if kept().is_some() { warning.of_another_motion() } else { warning });
+    let differs = check.as_ref().and_then(|check| check.warning(is_kept));
     let level = |found: FoundBranch| found.level(assembly, force_n, &ranges);
     let second = second.map(level);
     let mut first = SteadyLevel { check, motions, ..level(first) };

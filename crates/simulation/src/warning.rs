@@ -103,16 +103,6 @@ impl Warning {
         })
     }
 
-    /// The warning of another motion in place of one of a difference from time integration.
-    pub(crate) fn of_another_motion(self) -> Self {
-        match self {
-            Self::IntegrationDiffers { frequency_hz, relative_difference } => {
-                Self::AnotherMotion { frequency_hz, relative_difference }
-            }
-            other => other,
-        }
-    }
-
     /// Name of the kind, as in `summary.json`.
     pub fn kind(&self) -> &'static str {
         match self {

@@ -99,7 +99,7 @@ impl Period {
         let steps = |frequency: f64| {
             steps(if coupled { frequency.max(damped) } else { frequency }, w, lost)
         };
-        let mut wanted = steps(variation.highest_frequency(self.stiffest()));
+        let mut wanted = steps(variation.highest_frequency(largest(&stiffest)));
         if wanted.is_none_or(|count| count > MANY_STEPS)
             && let Some(frequency) = variation.highest_frequency_on(&stiffest)
         {
@@ -224,13 +224,8 @@ impl Period {
         self.fourier = Some(fourier);
     }
 
-    /// The largest tangent sampled \[N/m\]; NaN if one is not a number.
-    pub(super) fn stiffest(&self) -> f64 {
-        largest(&self.tangents)
-    }
-
     /// The largest tangent sampled of each contact \[N/m\]; NaN where one is not a number.
-    fn stiffest_of_each(&self) -> Vec<f64> {
+    pub(super) fn stiffest_of_each(&self) -> Vec<f64> {
         self.tangents.chunks_exact(self.steps * self.places.len()).map(largest).collect()
     }
 
@@ -301,7 +296,7 @@ impl Period {
 }
 
 /// The largest number of at least zero; NaN if one is not a number.
-fn largest(numbers: &[f64]) -> f64 {
+pub(super) fn largest(numbers: &[f64]) -> f64 {
     numbers.iter().fold(0.0, |most, &k| if k > most || k.is_nan() { k } else { most })
 }
 

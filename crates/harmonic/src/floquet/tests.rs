@@ -9,7 +9,7 @@ use faer::Mat;
 use num_complex::Complex64;
 
 use super::eigenvalues;
-use super::period::Period;
+use super::period::{Period, largest};
 use super::runge_kutta::{PLACES, RungeKutta};
 use super::splitting::{self, Splitting};
 use super::variational_equation::VariationalEquation;
@@ -103,7 +103,7 @@ impl Case {
     fn steps(&mut self) -> usize {
         let mut period = Period::new(&PLACES);
         period.sample(&self.system, &self.closures, self.w, 64);
-        let fastest = self.variation.highest_frequency(period.stiffest());
+        let fastest = self.variation.highest_frequency(largest(&period.stiffest_of_each()));
         Splitting::steps(fastest, self.w, false).unwrap()
     }
 }
@@ -136,7 +136,7 @@ fn contacts_of_unequal_stiffness_take_the_steps_of_their_own_modes() {
         let mut period = Period::new(&PLACES);
         let conditions = (&case.closures[..], case.w);
         period.resolve(&case.system, &mut case.variation, conditions, RungeKutta::steps).unwrap();
-        let bound = case.variation.highest_frequency(period.stiffest());
+        let bound = case.variation.highest_frequency(largest(&period.stiffest_of_each()));
         let most = RungeKutta::steps(bound, case.w, false).unwrap_or(usize::MAX);
         let steps = period.steps();
         assert!(4 * steps < most, "seed {seed}: {steps} and {most} steps");

@@ -45,8 +45,9 @@ const AGREES: f64 = 0.01;
 const KEPT: f64 = 0.005;
 
 impl TimeCheck {
-    /// The warning about a branch that differs from the integration; none while the motion still changes.
-    pub(super) fn warning(&self) -> Option<Warning> {
+    /// The warning about a branch that differs from the integration; none while the motion still changes. Where the response
+    /// `is_kept` by integration from its own state, the other motion exists beside it.
+    pub(super) fn warning(&self, is_kept: impl FnOnce() -> bool) -> Option<Warning> {
         let Self { frequency_hz, relative_difference, .. } = *self;
         let allowed = match self.motion {
             SteadyMotion::Periodic => AGREES,
@@ -55,7 +56,13 @@ impl TimeCheck {
         };
         // A difference that is no number is no agreement.
         let agrees = relative_difference <= allowed;
-        (!agrees).then_some(Warning::IntegrationDiffers { frequency_hz, relative_difference })
+        (!agrees).then(|| {
+            if is_kept() {
+                Warning::AnotherMotion { frequency_hz, relative_difference }
+            } else {
+                Warning::IntegrationDiffers { frequency_hz, relative_difference }
+            }
+        })
     }
 
     /// The warning about a response that time integration from its own state leaves; none while the motion still

@@ -342,8 +342,8 @@ fn the_largest_stable_response_is_kept_by_time_integration() {
     }
 }
 
-/// Integration from rest settles on a motion of twice the period, an amplitude a fifth lower, and from the state of the
-/// response stays there: both exist, which is another warning than a branch that may be wrong.
+/// Integration from rest settles on another motion, whose amplitude is a sixth lower, and from the state of the response stays
+/// there: both exist, which is another warning than a branch that may be wrong.
 #[test]
 fn a_response_beside_another_motion_is_not_said_to_be_wrong() {
     // Aluminium: modulus over density is what matters beside the mass.
