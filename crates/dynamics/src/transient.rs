@@ -55,6 +55,13 @@ impl Sampling {
     pub fn interval(&self) -> f64 {
         1.0 / self.rate
     }
+
+    /// The same samples with `parts` for each of them.
+    #[must_use]
+    pub fn divided(&self, parts: usize) -> Self {
+        let duration = self.samples() as f64 / self.rate;
+        Self { duration, rate: parts.max(1) as f64 * self.rate }
+    }
 }
 
 /// A response: its samples, the extremes at each contact, and its energy balance.
@@ -124,6 +131,29 @@ impl History {
     }
 }
 
+impl History {
+    /// Every sample at a multiple of `parts`, as of a response at [divided](Sampling::divided) samples.
+    #[must_use]
+    pub fn every(self, parts: usize) -> Self {
+        let of_sensor = |one: SensorHistory| SensorHistory {
+            displacement: every(one.displacement, parts),
+            velocity: every(one.velocity, parts),
+            acceleration: every(one.acceleration, parts),
+        };
+        let interfaces = self.interfaces.into_iter().map(|one| one.every(parts));
+        Self {
+            time: every(self.time, parts),
+            load: every(self.load, parts),
+            sensors: self.sensors.into_iter().map(of_sensor).collect(),
+            interfaces: interfaces.collect(),
+        }
+    }
+}
+
+fn every(column: Vec<f64>, parts: usize) -> Vec<f64> {
+    if parts <= 1 { column } else { column.into_iter().step_by(parts).collect() }
+}
+
 impl SensorHistory {
     pub(crate) fn push(&mut self, [displacement, velocity, acceleration]: [f64; 3]) {
         self.displacement.push(displacement);
@@ -133,6 +163,16 @@ impl SensorHistory {
 }
 
 impl InterfaceHistory {
+    /// As [`History::every`].
+    #[must_use]
+    pub fn every(self, parts: usize) -> Self {
+        Self {
+            pressure: every(self.pressure, parts),
+            closure: every(self.closure, parts),
+            stiffness: every(self.stiffness, parts),
+        }
+    }
+
     pub(crate) fn push(&mut self, (pressure, closure, stiffness): (f64, f64, f64)) {
         self.pressure.push(pressure);
         self.closure.push(closure);
@@ -217,6 +257,29 @@ mod tests {
         {
             assert!(Sampling::new(duration, rate).is_err());
         }
+    }
+
+    #[test]
+    fn divided_samples_contain_the_samples() {
+        let sampling = Sampling::new(0.010_03, 1e4).unwrap();
+        let divided = sampling.divided(7);
+        assert_eq!(divided.samples(), 700);
+        assert_eq!(divided.rate(), 7e4);
+        let column = |one: Sampling| (0..one.samples()).map(move |n| n as f64 * one.interval());
+        let interface =
+            InterfaceHistory { pressure: vec![5.0; 700], ..InterfaceHistory::default() };
+        let sensor = SensorHistory { velocity: vec![4.0; 700], ..SensorHistory::default() };
+        let history = History {
+            time: column(divided).collect(),
+            load: vec![3.0; 700],
+            sensors: vec![sensor],
+            interfaces: vec![interface],
+        };
+        let found = history.every(7);
+        let pairs = found.time.iter().zip(column(sampling));
+        assert!(found.time.len() == 100 && pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-15));
+        let counts = [&found.load, &found.sensors[0].velocity, &found.interfaces[0].pressure];
+        assert_eq!(counts.map(Vec::len), [100; 3]);
     }
 
     #[test]

@@ -33,26 +33,26 @@ pub struct Observables {
 }
 
 impl Observables {
-    /// The observables of a response at the output rate, read at all sensors.
+    /// The observables of a response whose history has this sample rate \[Hz\], read at all sensors.
     pub(crate) fn of_transient<S: Interfaces>(
         assembly: &Assembly<S>,
         at_rest: &StaticSummary,
-        transient: &Transient,
+        (transient, rate): (&Transient, f64),
     ) -> Result<Self, SimulationError> {
-        let first = Self::at_sensor(assembly, at_rest, transient, 0)?;
-        let others = 1..assembly.sensors.len();
-        let others = others.map(|sensor| Self::at_sensor(assembly, at_rest, transient, sensor));
+        let read = |sensor| Self::at_sensor(assembly, at_rest, (transient, rate), sensor);
+        let first = read(0)?;
+        let others = (1..assembly.sensors.len()).map(read);
         Ok(first.with_sensors(others.collect::<Result<Vec<_>, _>>()?))
     }
 
-    /// The observables of a response at the output rate, read at one sensor.
+    /// The observables of a response, read at one sensor.
     fn at_sensor<S: Interfaces>(
         assembly: &Assembly<S>,
         at_rest: &StaticSummary,
-        transient: &Transient,
+        (transient, rate): (&Transient, f64),
         sensor: usize,
     ) -> Result<Self, SimulationError> {
-        let (history, rate) = (&transient.history, assembly.sampling.rate());
+        let history = &transient.history;
         let displacement = &history.sensors[sensor].displacement;
         let mut features = ReceptanceFeatures::default();
         if let Some(natural) = at_rest.natural_frequency_hz

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use crate::assemble::{Assembly, load_case};
 use crate::error::SimulationError;
 use crate::error_control::{ConvergedRun, ErrorControl, RunRequest};
-use crate::finite_differences::integrate;
+use crate::finite_differences::{FineResponse, integrate};
 use crate::observables::Observables;
 use crate::patches::PatchRows;
 use crate::prepared_scenario::PreparedScenario;
@@ -212,8 +212,9 @@ impl RowRunner {
             return Ok(Started::Modal(requests));
         }
         let assembly = Assembly::new(&scenario()?, folder)?;
-        let (transient, mut found) = integrate(&assembly, &prepared.at_rest, stop, &|_| ())?;
-        let rate = assembly.sampling.rate();
+        let FineResponse { transient, readings, observables: mut found } =
+            integrate(&assembly, &prepared.at_rest, stop, &|_| ())?;
+        let rate = assembly.sampling.divided(readings).rate();
         let receptance = || Some(receptance_of(&transient.history, rate, &self.frequencies));
         found.frf = magnitudes(&self.frequencies, receptance);
         Ok(Started::Done((Arc::clone(&prepared.names), found)))

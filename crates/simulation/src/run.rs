@@ -14,7 +14,7 @@ use tracing::info_span;
 use crate::assemble::{Assembly, Interfaces};
 use crate::error::SimulationError;
 use crate::error_control::{ConvergedRun, ErrorControl, RunRequest};
-use crate::finite_differences::integrate;
+use crate::finite_differences::{FineResponse, integrate};
 use crate::observables::Observables;
 use crate::prepared_scenario::PreparedScenario;
 use crate::provenance::Provenance;
@@ -91,8 +91,10 @@ pub fn simulate_unless(
         let (transient, found, counts) = converged(&prepared, modal, stop, progress)?;
         (transient, found, Some(counts))
     } else {
-        let (transient, found) = integrate(&prepared.assembly, &prepared.at_rest, stop, progress)?;
-        (transient, found, None)
+        let FineResponse { mut transient, readings, observables } =
+            integrate(&prepared.assembly, &prepared.at_rest, stop, progress)?;
+        transient.history = transient.history.every(readings);
+        (transient, observables, None)
     };
     let (assembly, at_rest) = (prepared.assembly.clone(), prepared.at_rest.clone());
     for warning in &observables.warnings {

@@ -247,7 +247,8 @@ pub fn simulate_patches_unless(
     let recording = Recording::new(scenario, &assembly)?;
     let system = PatchSystem::recorded(assembly, recording)?;
     let RefinedPatchResponse { response, truncation, .. } = system.refined(stop, progress)?;
-    let PatchResponse { transient, cells, observables, states, recorded } = response;
+    let PatchResponse { mut transient, readings, cells, observables, states, recorded } = response;
+    transient.history = transient.history.every(readings);
     let PatchSystem { assembly, recording, .. } = system;
     for warning in &observables.warnings {
         tracing::warn!("{warning}");
@@ -274,7 +275,7 @@ pub fn simulate_patches_unless(
         let mut patches = assembly.structure.patches.iter();
         let patch = patches.find(|patch| patch.cells.contains(&contact))?;
         let cell = patch.cell_names[contact - patch.cells.start].clone();
-        Some(CellHistory { interface: patch.name.clone(), cell, history })
+        Some(CellHistory { interface: patch.name.clone(), cell, history: history.every(readings) })
     };
     let cell_histories = recording.contacts.iter().zip(recorded).filter_map(named).collect();
     progress(1.0);

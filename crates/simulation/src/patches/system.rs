@@ -22,6 +22,7 @@ use crate::accuracy::ErrorEstimate;
 use crate::assemble::Assembly;
 use crate::error::SimulationError;
 use crate::observables::{Observables, free_from};
+use crate::readings::most_readings;
 use crate::row_inputs::receptance_of;
 
 /// Steps of the first response in the period of the lowest natural frequency, and in the time in which the
@@ -38,6 +39,9 @@ const MOST_WORK: f64 = 1e8;
 /// Share of the accuracy that the error by the step may have.
 const STEP_SHARE: f64 = 0.5;
 
+/// Most numbers that are read of a response beyond its output, 160 MB.
+const MOST_READ: usize = 20_000_000;
+
 /// Least number of modes with inertia of a response with fewer of them.
 const LEAST_MODES: usize = 2;
 
@@ -53,8 +57,10 @@ pub struct PatchSystem {
 /// A response of a structure with patches.
 #[derive(Debug)]
 pub struct PatchResponse {
-    /// Motions, with an interface for each patch.
+    /// Motions, with an interface for each patch, read several times for each output sample.
     pub transient: Transient,
+    /// Readings for each output sample.
+    pub readings: usize,
     /// Extremes of each cell, and of the springs after them.
     pub cells: Vec<ContactExtremes>,
     /// Its observables.
@@ -137,15 +143,29 @@ impl PatchSystem {
         stop: &AtomicBool,
     ) -> Result<PatchResponse, SimulationError> {
         let Assembly { structure, load, sampling, .. } = &self.assembly;
-        let found = system.integrate_unless(load, sampling, parts, stop)?;
+        let readings = self.readings(parts);
+        let read = sampling.divided(readings);
+        let instants = self.recording.samples.iter().map(|sample| sample * readings).collect();
+        let system = system.clone().with_instants(instants);
+        let found = system.integrate_unless(load, &read, parts / readings, stop)?;
         let ContactsResponse { mut transient, contacts: cells, states } = found;
         // Cells that are recorded come after the patches.
         let patches = structure.patches.len();
         let recorded = transient.history.interfaces.split_off(patches);
         transient.contacts.truncate(patches);
         let at_rest = structure.at_rest();
-        let observables = Observables::of_transient(&self.assembly, &at_rest, &transient)?;
-        Ok(PatchResponse { transient, cells, observables, states, recorded })
+        let seen = (&transient, read.rate());
+        let observables = Observables::of_transient(&self.assembly, &at_rest, seen)?;
+        Ok(PatchResponse { transient, readings, cells, observables, states, recorded })
+    }
+
+    /// Readings for each output sample of a response with `parts` steps between samples: every step is read, so that the
+    /// observables are as accurate as the steps at any output rate, up to [`MOST_READ`] numbers.
+    fn readings(&self, parts: usize) -> usize {
+        let Assembly { structure, sampling, sensors, .. } = &self.assembly;
+        let interfaces = structure.patches.len() + self.recording.contacts.len();
+        let numbers = sampling.samples() * (2 + 3 * sensors.len() + 3 * interfaces);
+        most_readings(parts, MOST_READ / numbers.max(1))
     }
 
     /// The response to the accuracy of its scenario, unless `stop` is set before; `progress` receives the fraction
@@ -274,5 +294,5 @@ pub(super) fn system(
     let patches = patches.iter().map(|patch| patch.cells.clone());
     let cells = recording.contacts.iter().map(|&contact| contact..contact + 1);
     let system = ManyContacts::new(structure, *load, sensors.clone())?;
-    Ok(system.with_groups(patches.chain(cells).collect()).with_instants(recording.samples.clone()))
+    Ok(system.with_groups(patches.chain(cells).collect()))
 }

@@ -14,6 +14,7 @@ mod finite_elements;
 mod instants;
 mod many_cells;
 mod masked_peaks;
+mod output_rate;
 mod ports;
 mod samples;
 mod sensitivity;
