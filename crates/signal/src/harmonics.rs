@@ -39,7 +39,8 @@ pub struct HarmonicOptions {
     /// adds ripples of amplitude `x_end / (2 pi f)`, times up to 1.8 above 1.5
     /// times the fundamental, and of spacing `1 / T`. Beside a higher maximum that the force is too weak
     /// for they are taken to be larger, `max(f, f0) f / |f0^2 - f^2|` times.
-    /// The default 4 just exceeds their height from trough to crest.
+    /// The default 4 just exceeds their height from trough to crest where the force is as strong at both; a minimum where it
+    /// is weaker counts as higher by half of what its ripples are larger.
     /// A record that has decayed is not affected.
     pub leakage_margin: f64,
     /// Time \[s\] at the end of the record that a filter takes to run out, its whole length: `x_end` is the largest
@@ -320,31 +321,42 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         let others = masked_hz.iter().filter(|&&other| other != frequency_hz);
         let beside = others.map(|&stronger| leakage_beside(stronger, frequency_hz));
         let beside = beside.fold(1.0, f64::max);
-        let least_with = |is_predicted: bool| {
+        let leak_with = |is_predicted: bool| {
             let end = RecordEnd { period, run_out: self.options.run_out_s, is_predicted };
             let ripple = self.response.ripple(frequency_hz, end);
-            (self.options.minimum_prominence * magnitude)
-                .max(self.options.leakage_margin * ripple.leakage * beside)
-                .max(ripple.rounding)
+            let leak = self.options.leakage_margin * ripple.leakage * beside;
+            (leak, (self.options.minimum_prominence * magnitude).max(leak).max(ripple.rounding))
         };
-        let quick = least_with(false);
-        let (mut height, mut least) = (magnitude - saddle, quick);
+        // Half of the least height is for the ripple at the maximum, and half for that at a minimum, which is
+        // larger where the force is weaker: beside a zero of it a deep minimum tells nothing.
+        let order = 1 + self.response.kind().derivatives();
+        let further = |leak: f64| {
+            move |other_hz: f64, other_force: f64| {
+                let ratio = (frequency_hz / other_hz).powi(order) * force / other_force;
+                if leak > 0.0 { 0.5 * leak * (ratio - 1.0) } else { 0.0 }
+            }
+        };
+        let (mut leak, quick) = leak_with(false);
+        let quick_height = magnitude - self.grid.saddle_above(index, &further(leak));
+        let (mut height, mut least) = (quick_height, quick);
         // Beside a zero of the force minima lie deep between the points of the grid, and the height may be any up to this.
         let most = if beside > 1.0 { magnitude } else { height };
         // Where it decides, the motion is predicted to the record's end.
         let may_beat = height < least * BEATING && most >= least / BEATING;
         if self.options.run_out_s > 0.0 && may_beat {
-            least = least_with(true);
+            (leak, least) = leak_with(true);
+            height = magnitude - self.grid.saddle_above(index, &further(leak));
         }
         // No minimum is higher than its point of the grid. Where they decide, they are found exactly.
-        let sure = magnitude - self.grid.saddle_on_grid(index);
+        let sure = magnitude - self.grid.saddle_above_points(index, &further(leak));
         let near = NEAR * least;
         if (sure.min(height - near)..most + near).contains(&least) {
-            height = magnitude - self.grid.exact_saddle(self.response, index);
+            height = magnitude - self.grid.exact_saddle_above(self.response, index, &further(leak));
         }
         let is_by_ripples = least > self.options.minimum_prominence * magnitude;
         let is_near = (height - least).abs() < MARGINAL * least;
-        let is_hardly_higher = is_by_ripples && (is_near || (height >= quick) != (height >= least));
+        let is_hardly_higher =
+            is_by_ripples && (is_near || (quick_height >= quick) != (height >= least));
         let is_high = height >= least;
         if is_hardly_higher || (is_near_floor && is_high) {
             marginal_hz.push(frequency_hz);
@@ -353,7 +365,7 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
             frequency_hz,
             magnitude,
             value,
-            prominence: height / magnitude,
+            prominence: 1.0 - saddle / magnitude,
         })
     }
 }

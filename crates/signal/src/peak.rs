@@ -23,12 +23,15 @@ pub struct Peak {
 }
 
 /// `|H|^2` on equally spaced frequencies `(first + k) step`.
+#[derive(Default)]
 pub(crate) struct PowerGrid {
     pub(crate) first: usize,
     pub(crate) step: f64,
     pub(crate) power: Vec<f64>,
     /// The same with the [vertices](sinusoid_vertex) of maxima and minima in their places.
     pub(crate) heights: Vec<f64>,
+    /// Magnitude of the transform of the force.
+    pub(crate) force: Vec<f64>,
 }
 
 impl PowerGrid {
@@ -49,7 +52,8 @@ impl PowerGrid {
         for (height, three) in heights.iter_mut().skip(1).zip(power.windows(3)) {
             *height = sinusoid_vertex([three[0], three[1], three[2]], turn);
         }
-        Self { first, step: band.step, power, heights }
+        let force = band.force.iter().skip(first).map(|force| force.norm()).collect();
+        Self { first, step: band.step, power, heights, force }
     }
 
     pub(crate) fn frequency(&self, index: usize) -> f64 {
@@ -75,33 +79,58 @@ impl PowerGrid {
     ///
     /// Each is the lowest before `|H|` exceeds the maximum again or the grid ends.
     pub(crate) fn saddle(&self, index: usize) -> f64 {
-        let heights = self.minima(index).map(|k| self.heights[k]);
-        heights[0].max(heights[1]).sqrt()
+        self.saddle_above(index, &|_, _| 0.0)
+    }
+
+    /// The same of `|H| + ripple`, with the ripple at a frequency \[Hz\] under a force of this spectral magnitude.
+    pub(crate) fn saddle_above(&self, index: usize, ripple: &impl Fn(f64, f64) -> f64) -> f64 {
+        let [left, right] = self.lowest(index, |k| self.heights[k].sqrt() + self.ripple(k, ripple));
+        left.1.max(right.1)
     }
 
     /// The same of the points alone, which is no less: of a minimum beside a pole, as where the force vanishes, a sinusoid
     /// may be far too low.
-    pub(crate) fn saddle_on_grid(&self, index: usize) -> f64 {
-        let powers = self.minima(index).map(|k| self.power[k]);
-        powers[0].max(powers[1]).sqrt()
+    pub(crate) fn saddle_above_points(
+        &self,
+        index: usize,
+        ripple: &impl Fn(f64, f64) -> f64,
+    ) -> f64 {
+        let [left, right] = self.lowest(index, |k| self.power[k].sqrt() + self.ripple(k, ripple));
+        left.1.max(right.1)
     }
 
-    /// The same with both minima found on the transforms, where there is one between the points beside that of the grid.
-    pub(crate) fn exact_saddle(&self, response: &impl HitSpectra, index: usize) -> f64 {
-        let lowest = |k: usize| {
+    /// The same with both minima of `|H|` found on the transforms, where there is one between the points beside that of
+    /// the grid.
+    pub(crate) fn exact_saddle_above(
+        &self,
+        response: &impl HitSpectra,
+        index: usize,
+        ripple: &impl Fn(f64, f64) -> f64,
+    ) -> f64 {
+        let exact = |(k, by_sinusoid): (usize, f64)| {
             let trough = if k == index { None } else { refine_trough(response, self, k) };
-            trough.map_or(self.heights[k], |frequency| response.power_and_slope(frequency).0)
+            trough.map_or(by_sinusoid, |frequency| {
+                let force = response.force_magnitude(frequency);
+                let lowest = response.power_and_slope(frequency).0.sqrt();
+                let here = self.power[k].sqrt() + self.ripple(k, ripple);
+                here.min(lowest + ripple(frequency, force))
+            })
         };
-        let [left, right] = self.minima(index).map(lowest);
-        left.max(right).sqrt()
+        let [left, right] =
+            self.lowest(index, |k| self.heights[k].sqrt() + self.ripple(k, ripple)).map(exact);
+        left.max(right)
     }
 
-    /// Places of the lowest points on either side of a maximum; its own where there is none.
-    fn minima(&self, index: usize) -> [usize; 2] {
+    fn ripple(&self, k: usize, ripple: impl Fn(f64, f64) -> f64) -> f64 {
+        ripple(self.frequency(k), self.force[k])
+    }
+
+    /// Places on either side of a maximum where a value is lowest, and the value; its own where none is lower.
+    fn lowest(&self, index: usize, value: impl Fn(usize) -> f64) -> [(usize, f64); 2] {
         let top = self.heights[index];
         let lowest = |sequence: &mut dyn Iterator<Item = usize>| {
-            let lower = sequence.take_while(|&k| self.heights[k] <= top);
-            lower.min_by(|&a, &b| self.heights[a].total_cmp(&self.heights[b])).unwrap_or(index)
+            let lower = sequence.take_while(|&k| self.heights[k] <= top).map(|k| (k, value(k)));
+            lower.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_else(|| (index, value(index)))
         };
         [lowest(&mut (0..index).rev()), lowest(&mut (index + 1..self.heights.len()))]
     }
@@ -213,7 +242,7 @@ mod tests {
     /// A trough of a closed form, and none where the power falls from one neighbour to the other.
     #[test]
     fn a_trough_is_found_between_its_neighbours() {
-        let grid = PowerGrid { first: 10, step: 1.0, power: Vec::new(), heights: Vec::new() };
+        let grid = PowerGrid { first: 10, step: 1.0, ..PowerGrid::default() };
         let at = |trough: f64| {
             move |frequency: f64| {
                 let (x, least) = (frequency - trough, 0.01);

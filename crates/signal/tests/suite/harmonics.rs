@@ -159,8 +159,7 @@ fn ripples_are_told_apart_before_a_filter_runs_out() {
     assert!(mistaken > 10, "the ripples are there: {mistaken} of 20");
 }
 
-/// An oscillator of unit mass under a half sine of duration `pulse`, in exact steps under a force that is constant within
-/// each.
+/// An oscillator of unit mass under a half sine of duration `pulse`.
 fn struck_by_half_sine(
     natural: f64,
     damping: f64,
@@ -168,11 +167,20 @@ fn struck_by_half_sine(
     rate: f64,
     count: usize,
 ) -> FrequencyResponse {
+    let force = |time: f64| if time < pulse { (PI * time / pulse).sin() } else { 0.0 };
+    driven(natural, damping, force, rate, count)
+}
+
+/// An oscillator of unit mass under a force, in exact steps under a force that is constant within each.
+fn driven(
+    natural: f64,
+    damping: f64,
+    force: impl Fn(f64) -> f64,
+    rate: f64,
+    count: usize,
+) -> FrequencyResponse {
     let omega = TAU * natural;
-    let force = |n: usize| {
-        let part = n as f64 / rate / pulse;
-        if part < 1.0 { (PI * part).sin() } else { 0.0 }
-    };
+    let force = |n: usize| force(n as f64 / rate);
     let (decay, turned) =
         ((-damping * omega / rate).exp(), omega * (1.0 - damping * damping).sqrt());
     let (sine, cosine) = (turned / rate).sin_cos();
@@ -186,6 +194,23 @@ fn struck_by_half_sine(
     }
     let forces: Vec<f64> = (0..count).map(force).collect();
     FrequencyResponse::from_displacement(&forces, &samples, rate).unwrap()
+}
+
+/// A sine that lasts to the end of a record has zeros `1/T` apart, beside which `U/F` has deep minima, since the structure still rings.
+/// The maxima between them are no peaks.
+#[test]
+fn maxima_between_zeros_of_a_lasting_force_are_no_peaks() {
+    let (rate, natural) = (4e5, 7718.0);
+    for hertz in [3500.0, 4957.0, 5600.0] {
+        for count in (4000..6000).step_by(200) {
+            let sine = |time: f64| (TAU * hertz * time).sin();
+            let hit = driven(natural, 0.0055, sine, rate, count);
+            let found = find_harmonics(&hit, natural, &HarmonicOptions::default());
+            let off = found.fundamental.map_or(0.0, |peak| peak.frequency_hz / natural - 1.0);
+            assert!(off.abs() < 0.01, "{hertz} {count}: {:?}", found.fundamental);
+            assert!(found.masked_hz.iter().any(|masked| (masked / natural - 1.0).abs() < 0.01));
+        }
+    }
 }
 
 /// A zero of the force is beside the resonance, and a pole of `U/F` there, as the record ends while it rings. The height of

@@ -4,6 +4,9 @@ use std::path::PathBuf;
 
 use crate::{answer, number};
 
+/// Changes of the rig: coarse cells, and an output rate at which observables are read from the output samples alone.
+const COARSE: [&str; 4] = ["--set", "/method/cell_m=0.005", "--set", "/output_rate_hz=500000"];
+
 /// A run written as a record and analysed gives its own summary again: from displacement to
 /// rounding, from acceleration to what the record's start and end leave (1e-5 measured).
 #[test]
@@ -12,9 +15,8 @@ fn a_simulated_run_takes_the_same_way() {
     let fixtures = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/scenarios");
     let rig = fixtures.join("nouira2020-modified.json").display().to_string();
     for (format, file, tight) in [("uff", "record.uff", 1e-12), ("uff-ascii", "record.uff", 1e-9)] {
-        let coarse = ["--set", "/method/cell_m=0.005", "--record", format];
-        let run = ["simulate", &rig, "--json", "--out", format];
-        let summary = answer(folder.path(), &[&run[..], &coarse[..]].concat());
+        let run = ["simulate", &rig, "--json", "--out", format, "--record", format];
+        let summary = answer(folder.path(), &[&run[..], &COARSE].concat());
         let record = format!("{format}/{file}");
         for (response, tolerance) in [("displacement", tight), ("acceleration", 1e-3)] {
             let asked =
@@ -42,11 +44,8 @@ fn levels_of_the_rig_are_found_from_their_records() {
     let rig = fixtures.join("nouira2020-modified.json").display().to_string();
     let summaries = ["9", "20", "32"].map(|force| {
         let level = format!("/excitation/peak_n={force}");
-        let coarse = ["--set", "/method/cell_m=0.005", "--set", &level, "--record", "uff"];
-        answer(
-            folder.path(),
-            &[&["simulate", &rig, "--json", "--out", force], &coarse[..]].concat(),
-        )
+        let run = ["simulate", &rig, "--json", "--out", force, "--set", &level, "--record", "uff"];
+        answer(folder.path(), &[&run[..], &COARSE].concat())
     });
     let records = ["9/record.uff", "20/record.uff", "32/record.uff"];
     let asked = ["--response", "displacement", "--band", "600:1000", "--json"];
