@@ -6,7 +6,7 @@
 //! cells of twice the length, or four times, a quarter of the work or less. Where that lengthens no
 //! step, because the shortest body has the fewest nodes already, it has cells and steps of half the
 //! length. Cells are as long as the scenario says: the errors are stated, not controlled.
-//! Observables are read from [readings](crate::readings) between the output samples.
+//! Observables are read from [readings] between the output samples.
 
 use std::sync::atomic::AtomicBool;
 
@@ -19,7 +19,7 @@ use crate::assemble::{Assembly, DEFAULT_ACCURACY};
 use crate::error::SimulationError;
 use crate::error_control::{contact_is_lost, divergence_sample, perturbed};
 use crate::observables::Observables;
-use crate::readings::readings;
+use crate::response_parts::readings;
 use crate::static_state::StaticSummary;
 
 /// Ratio of the steps of two grids from which on their responses tell the error.

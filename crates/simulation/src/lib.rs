@@ -39,7 +39,6 @@ pub mod plausibility;
 pub mod prepared_scenario;
 pub mod provenance;
 pub mod quantity;
-mod readings;
 pub mod record;
 mod response_parts;
 mod row_inputs;

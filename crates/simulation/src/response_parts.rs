@@ -131,7 +131,25 @@ pub(crate) fn frequency_response(
     FrequencyResponse::from_displacement(force, &displacement, rate).map(Some)
 }
 
-/// [`frequency_response`] of a history at the output rate, [to its end](to_end).
+/// The fewest readings for each output sample, of those that divide its `steps`, that are at least `least` and at most
+/// `most`; else the most of them.
+///
+/// The error of sums over samples `h` apart is of second order, `(w h)^2 / 12` of what the end of a record or a bend of the
+/// force adds. The output rate is for files and figures; integrators that hand out no filtered record are read more often, at
+/// whole steps, so that neither the steps nor the output change.
+pub(crate) fn readings(steps: usize, least: f64, most: usize) -> usize {
+    // The cast saturates.
+    let least = least.ceil().max(1.0) as usize;
+    let enough = (least..=steps.min(most)).find(|parts| steps.is_multiple_of(*parts));
+    enough.unwrap_or_else(|| most_readings(steps, most))
+}
+
+/// The most readings for each output sample that divide its `steps` and are at most `most`; at least one.
+pub(crate) fn most_readings(steps: usize, most: usize) -> usize {
+    (1..=steps.min(most)).rev().find(|parts| steps.is_multiple_of(*parts)).unwrap_or(1)
+}
+
+/// [`frequency_response`] of a history at its sample rate, [to its end](to_end).
 pub(crate) fn history_response(
     force: &[f64],
     displacement: &[f64],
@@ -189,6 +207,15 @@ mod tests {
     use asperity_signal::{Complex64, transform_at};
 
     use super::*;
+
+    #[test]
+    fn readings_divide_the_steps_of_a_sample() {
+        assert_eq!([2.5, 3.0, 12.5, 40.0].map(|least| readings(28, least, 100)), [4, 4, 14, 28]);
+        assert_eq!([0.3, 1.5].map(|least| readings(29, least, 100)), [1, 29]);
+        // Not more than memory has room for.
+        assert_eq!([28, 13, 1, 0].map(|most| readings(28, 20.0, most)), [28, 7, 1, 1]);
+        assert_eq!([most_readings(1, 9), most_readings(12, 9), most_readings(12, 0)], [1, 6, 1]);
+    }
 
     /// A record that ends while it rings: its receptance is that of the integral over the duration, in closed form, to
     /// second order; without the end it is to first order.

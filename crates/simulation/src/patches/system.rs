@@ -22,7 +22,7 @@ use crate::accuracy::ErrorEstimate;
 use crate::assemble::Assembly;
 use crate::error::SimulationError;
 use crate::observables::{Observables, free_from};
-use crate::readings::most_readings;
+use crate::response_parts::most_readings;
 use crate::row_inputs::receptance_of;
 
 /// Steps of the first response in the period of the lowest natural frequency, and in the time in which the
