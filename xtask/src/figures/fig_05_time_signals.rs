@@ -19,13 +19,13 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
     draw,
 };
 
-/// The part of the run that the figure shows, in s.
+/// The part of the run that the figure shows, in s; its end is not, however times are rounded.
 const SHOWN: f64 = 0.02;
 
 fn compute(rig: &Rig) -> Result<Computed> {
     let run = rig.run(&rig.struck(Law::Modified, 32.0)?)?;
     let history = &run.transient.history;
-    let shown = history.time.partition_point(|&time| time <= SHOWN);
+    let shown = history.time.partition_point(|&time| time < SHOWN * (1.0 - 1e-9));
     let table = Table::new()
         .with_column("time_s", &history.time[..shown])?
         .with_column("force_n", &history.load[..shown])?
