@@ -129,9 +129,7 @@ impl History {
             interfaces: (0..interfaces).map(|_| interface()).collect(),
         }
     }
-}
 
-impl History {
     /// Every sample at a multiple of `parts`, as of a response at [divided](Sampling::divided) samples.
     #[must_use]
     pub fn every(self, parts: usize) -> Self {

@@ -84,7 +84,7 @@ impl PowerGrid {
 
     /// The same of `|H| + ripple`, with the ripple at a frequency \[Hz\] under a force of this spectral magnitude.
     pub(crate) fn saddle_above(&self, index: usize, ripple: &impl Fn(f64, f64) -> f64) -> f64 {
-        let [left, right] = self.lowest(index, |k| self.heights[k].sqrt() + self.ripple(k, ripple));
+        let [left, right] = self.lowest(index, &self.heights, ripple);
         left.1.max(right.1)
     }
 
@@ -95,7 +95,7 @@ impl PowerGrid {
         index: usize,
         ripple: &impl Fn(f64, f64) -> f64,
     ) -> f64 {
-        let [left, right] = self.lowest(index, |k| self.power[k].sqrt() + self.ripple(k, ripple));
+        let [left, right] = self.lowest(index, &self.power, ripple);
         left.1.max(right.1)
     }
 
@@ -112,25 +112,31 @@ impl PowerGrid {
             trough.map_or(by_sinusoid, |frequency| {
                 let force = response.force_magnitude(frequency);
                 let lowest = response.power_and_slope(frequency).0.sqrt();
-                let here = self.power[k].sqrt() + self.ripple(k, ripple);
-                here.min(lowest + ripple(frequency, force))
+                self.above(k, self.power[k], ripple).min(lowest + ripple(frequency, force))
             })
         };
-        let [left, right] =
-            self.lowest(index, |k| self.heights[k].sqrt() + self.ripple(k, ripple)).map(exact);
+        let [left, right] = self.lowest(index, &self.heights, ripple).map(exact);
         left.max(right)
     }
 
-    fn ripple(&self, k: usize, ripple: impl Fn(f64, f64) -> f64) -> f64 {
-        ripple(self.frequency(k), self.force[k])
+    /// `|H| + ripple` at a point, of a power there.
+    fn above(&self, k: usize, power: f64, ripple: &impl Fn(f64, f64) -> f64) -> f64 {
+        power.sqrt() + ripple(self.frequency(k), self.force[k])
     }
 
-    /// Places on either side of a maximum where a value is lowest, and the value; its own where none is lower.
-    fn lowest(&self, index: usize, value: impl Fn(usize) -> f64) -> [(usize, f64); 2] {
+    /// Places on either side of a maximum where `|H| + ripple` is lowest by these powers, and its value; its own where none is
+    /// lower.
+    fn lowest(
+        &self,
+        index: usize,
+        powers: &[f64],
+        ripple: &impl Fn(f64, f64) -> f64,
+    ) -> [(usize, f64); 2] {
         let top = self.heights[index];
+        let value = |k: usize| (k, self.above(k, powers[k], ripple));
         let lowest = |sequence: &mut dyn Iterator<Item = usize>| {
-            let lower = sequence.take_while(|&k| self.heights[k] <= top).map(|k| (k, value(k)));
-            lower.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_else(|| (index, value(index)))
+            let lower = sequence.take_while(|&k| self.heights[k] <= top).map(value);
+            lower.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_else(|| value(index))
         };
         [lowest(&mut (0..index).rev()), lowest(&mut (index + 1..self.heights.len()))]
     }
