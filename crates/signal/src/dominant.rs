@@ -50,17 +50,14 @@ pub fn dominant_frequency(
         return None;
     }
     let band = response.band(4, high);
-    let grid = PowerGrid::of(&band, response.kind(), low);
+    let grid = PowerGrid::of(&band, response.kind(), low, force_threshold);
     let in_form = |index: usize| {
         let omega = TAU * grid.frequency(index);
         grid.power[index] * omega.powi(2 * form.derivatives())
     };
     let mut maxima = grid.maxima(band_hz);
     maxima.sort_by(|&a, &b| in_form(b).total_cmp(&in_form(a)));
-    let strongest = band.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
-    let floor = force_threshold * strongest;
-    let valid =
-        |index: &usize| band.force.get(grid.first + index).is_some_and(|f| f.norm() >= floor);
+    let valid = |&index: &usize| grid.force[index] >= grid.force_floor;
     let inside = |frequency: &f64| *frequency > low && *frequency < high;
     maxima.into_iter().filter(valid).find_map(|k| refine(response, &grid, k).filter(inside))
 }

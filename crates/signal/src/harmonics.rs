@@ -3,7 +3,6 @@
 use crate::peak::{Peak, PowerGrid, refine};
 use crate::response::FrequencyResponse;
 use crate::spectra::{HitSpectra, RecordEnd};
-use num_complex::Complex64;
 
 /// Window of the second harmonic over the fundamental, of simulated and of measured hits.
 ///
@@ -83,6 +82,9 @@ pub struct Harmonics {
     /// where the force is within 10 % of too weak, and of maxima that are lower than the fundamental by less than 0.3 %: a slightly
     /// longer record or pulse may decide otherwise about them.
     pub marginal_hz: Vec<f64>,
+    /// Frequency (Hz) in the window of the fundamental at which the response itself is largest, if the force is too weak for a
+    /// maximum there and the fundamental found is another: it need not be the resonance.
+    pub hidden_hz: Option<f64>,
 }
 
 impl Harmonics {
@@ -159,6 +161,7 @@ pub(crate) fn harmonics_of(
     // That of a second harmonic is one magnitude with any of them.
     found.marginal_hz.extend(equals);
     if let Some(first) = found.fundamental {
+        found.hidden_hz = search.hidden(window, first, &found.masked_hz);
         let window = scaled(options.second_window, first.frequency_hz);
         (found.second, _) = search.largest(window, 1.0 / first.frequency_hz, &mut found);
     }
@@ -227,19 +230,18 @@ struct HarmonicSearch<'a, R> {
     response: &'a R,
     options: &'a HarmonicOptions,
     grid: PowerGrid,
-    force_floor: f64,
+    /// Frequency of the largest oscillation of the response.
+    oscillation_hz: Option<f64>,
+    /// Distance from it of the next zero of the transform of a lasting one.
+    lobe_hz: f64,
 }
 
 impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
     fn new(response: &'a R, (low, high): (f64, f64), options: &'a HarmonicOptions) -> Self {
         let band = response.band(options.padding.max(2), high);
-        let strongest = band.force.iter().map(Complex64::norm_sqr).fold(0.0, f64::max).sqrt();
-        Self {
-            response,
-            options,
-            grid: PowerGrid::of(&band, response.kind(), low),
-            force_floor: options.force_threshold * strongest,
-        }
+        let grid = PowerGrid::of(&band, response.kind(), low, options.force_threshold);
+        let oscillation_hz = grid.oscillation_hz();
+        Self { response, options, grid, oscillation_hz, lobe_hz: 1.0 / band.duration }
     }
 
     /// The largest admissible peak in a window, and the frequencies (Hz) of lower maxima that equal it; those of masked and
@@ -264,7 +266,7 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
                 continue;
             };
             let magnitude = self.response.receptance_at(other_hz).norm();
-            let is_strong = self.response.force_magnitude(other_hz) >= self.force_floor;
+            let is_strong = self.response.force_magnitude(other_hz) >= self.grid.force_floor;
             if !is_strong || magnitude <= (1.0 - EQUAL) * largest.magnitude {
                 continue;
             }
@@ -285,6 +287,17 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         };
         let equals = near_it.into_iter().filter_map(is_equal).collect();
         (Some(largest), equals)
+    }
+
+    /// The largest oscillation in a window, if it is another than a peak and larger, and one of these masked maxima is there.
+    fn hidden(&self, (low, high): (f64, f64), peak: Peak, masked_hz: &[f64]) -> Option<f64> {
+        let oscillation = self.oscillation_hz.filter(|hz| low < *hz && *hz < high)?;
+        let is_there = |hz: f64| (hz - oscillation).abs() < self.lobe_hz;
+        let is_masked = masked_hz.iter().any(|&hz| is_there(hz));
+        let motion = |hz: f64, receptance: f64| receptance * self.response.force_magnitude(hz);
+        let largest = motion(oscillation, self.response.receptance_at(oscillation).norm());
+        let is_larger = largest > motion(peak.frequency_hz, peak.magnitude);
+        (is_masked && is_larger && !is_there(peak.frequency_hz)).then_some(oscillation)
     }
 
     fn peak(
@@ -308,8 +321,9 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
             return None;
         }
         let force = self.response.force_magnitude(frequency_hz);
-        let is_weak = force < self.force_floor;
-        let is_near_floor = (force - self.force_floor).abs() < MARGINAL * self.force_floor;
+        let is_weak = force < self.grid.force_floor;
+        let is_near_floor =
+            (force - self.grid.force_floor).abs() < MARGINAL * self.grid.force_floor;
         if is_weak {
             masked_hz.push(frequency_hz);
         }
@@ -318,9 +332,9 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         }
         let value = self.response.receptance_at(frequency_hz);
         let magnitude = value.norm();
-        let others = masked_hz.iter().filter(|&&other| other != frequency_hz);
-        let beside = others.map(|&stronger| leakage_beside(stronger, frequency_hz));
-        let beside = beside.fold(1.0, f64::max);
+        let is_beside = |other: &f64| (frequency_hz - other).abs() >= self.lobe_hz;
+        let oscillation = self.oscillation_hz.filter(is_beside);
+        let beside = oscillation.map_or(1.0, |other| leakage_beside(other, frequency_hz).max(1.0));
         let leak_with = |is_predicted: bool| {
             let end = RecordEnd { period, run_out: self.options.run_out_s, is_predicted };
             let ripple = self.response.ripple(frequency_hz, end);

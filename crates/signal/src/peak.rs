@@ -1,5 +1,6 @@
 //! Local maxima of a receptance, found on a grid and refined on the transform.
 
+use crate::fit::parabola_vertex;
 use crate::form::ResponseKind;
 use crate::root::bracketed_root;
 use crate::spectra::{BandSpectra, HitSpectra};
@@ -32,12 +33,14 @@ pub(crate) struct PowerGrid {
     pub(crate) heights: Vec<f64>,
     /// Magnitude of the transform of the force.
     pub(crate) force: Vec<f64>,
+    /// Magnitude of the force below which `|H|` tells nothing.
+    pub(crate) force_floor: f64,
 }
 
 impl PowerGrid {
     /// `|H|^2` of a band, from one point below `low` (Hz); infinite where it is undefined, which is
-    /// never below its neighbours.
-    pub(crate) fn of(band: &BandSpectra<'_>, kind: ResponseKind, low: f64) -> Self {
+    /// never below its neighbours. The force is too weak below a part `threshold` of its largest magnitude in the band.
+    pub(crate) fn of(band: &BandSpectra<'_>, kind: ResponseKind, low: f64, threshold: f64) -> Self {
         let first = ((low / band.step) as usize).saturating_sub(1).max(1);
         let twice = 2 * kind.derivatives();
         let power = |(k, (x, f)): (usize, (&Complex64, &Complex64))| {
@@ -53,11 +56,24 @@ impl PowerGrid {
             *height = sinusoid_vertex([three[0], three[1], three[2]], turn);
         }
         let force = band.force.iter().skip(first).map(|force| force.norm()).collect();
-        Self { first, step: band.step, power, heights, force }
+        let strongest = band.force.iter().map(Complex64::norm_sqr).fold(0.0, f64::max).sqrt();
+        let force_floor = threshold * strongest;
+        Self { first, step: band.step, power, heights, force, force_floor }
     }
 
     pub(crate) fn frequency(&self, index: usize) -> f64 {
         (self.first + index) as f64 * self.step
+    }
+
+    /// Frequency \[Hz\] of the largest local maximum of the transform of the response, as a displacement.
+    pub(crate) fn oscillation_hz(&self) -> Option<f64> {
+        let motion = |k: usize| self.power[k].sqrt() * self.force[k];
+        let inner = 1..self.power.len().saturating_sub(1);
+        let threes = inner.map(|k| (k, [motion(k - 1), motion(k), motion(k + 1)]));
+        let maxima = threes.filter(|(_, [left, here, right])| here > left && here >= right);
+        let (k, three) = maxima.max_by(|(_, a), (_, b)| a[1].total_cmp(&b[1]))?;
+        let (shift, _) = parabola_vertex(three)?;
+        Some(self.frequency(k) + shift * self.step)
     }
 
     /// Local maxima of the grid inside the window, one step wider.
@@ -77,7 +93,8 @@ impl PowerGrid {
 
     /// `|H|` at the higher of the minima on either side of a grid maximum.
     ///
-    /// Each is the lowest before `|H|` exceeds the maximum again or the grid ends.
+    /// Each is the lowest before `|H|` exceeds the maximum again, where the force is strong enough, or the grid ends: a pole
+    /// beside a zero of the force may lie between two points of the grid.
     pub(crate) fn saddle(&self, index: usize) -> f64 {
         self.saddle_above(index, &|_, _| 0.0)
     }
@@ -133,12 +150,20 @@ impl PowerGrid {
         ripple: &impl Fn(f64, f64) -> f64,
     ) -> [(usize, f64); 2] {
         let top = self.heights[index];
+        let floor = self.force_floor.min(self.force[index]);
         let value = |k: usize| (k, self.above(k, powers[k], ripple));
-        let lowest = |sequence: &mut dyn Iterator<Item = usize>| {
-            let lower = sequence.take_while(|&k| self.heights[k] <= top).map(value);
-            lower.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_else(|| value(index))
+        let lowest = |beside: &mut dyn Iterator<Item = usize>, floor: f64| {
+            let strong = beside.filter(|&k| self.force[k] >= floor);
+            let lower = strong.take_while(|&k| self.heights[k] <= top).map(value);
+            lower.min_by(|a, b| a.1.total_cmp(&b.1))
         };
-        [lowest(&mut (0..index).rev()), lowest(&mut (index + 1..self.heights.len()))]
+        let (before, after) = (0..index, index + 1..self.heights.len());
+        let side =
+            |strong: Option<_>, any: Option<_>| strong.or(any).unwrap_or_else(|| value(index));
+        [
+            side(lowest(&mut before.clone().rev(), floor), lowest(&mut before.rev(), 0.0)),
+            side(lowest(&mut after.clone(), floor), lowest(&mut after.clone(), 0.0)),
+        ]
     }
 }
 

@@ -22,6 +22,8 @@ pub(crate) struct ResponseParts<'a> {
     pub(crate) masked_hz: Vec<f64>,
     /// Frequencies of maxima that hardly are peaks, or hardly are none \[Hz\].
     pub(crate) marginal_hz: Vec<f64>,
+    /// Frequency of the largest response where the force is too weak, if the fundamental is another \[Hz\].
+    pub(crate) hidden_hz: Option<f64>,
     pub(crate) contacts: Vec<ContactMeasures>,
     /// Time without contact at each interface \[s\]; empty where it is not counted.
     pub(crate) contact_lost: Vec<f64>,
@@ -57,6 +59,7 @@ impl<'a> ResponseParts<'a> {
             peaks: PeakValues::of(features),
             masked_hz: features.harmonics.masked_hz.clone(),
             marginal_hz: features.harmonics.marginal_hz.clone(),
+            hidden_hz: features.harmonics.hidden_hz,
             contacts: interfaces.iter().zip(records).map(measures).collect(),
             contact_lost: records.iter().map(|record| record.lost).collect(),
             energy: Some(energy),
@@ -76,7 +79,9 @@ impl<'a> ResponseParts<'a> {
         let suspect = residual.filter(|residual| *residual > MOST_RESIDUAL);
         let balance = suspect.map(|residual_relative| Warning::EnergyBalance { residual_relative });
         let peak = |&frequency_hz: &f64| Warning::MarginalPeak { frequency_hz };
-        outside.chain(balance).chain(self.marginal_hz.iter().map(peak)).collect()
+        let hidden = self.hidden_hz.map(|frequency_hz| Warning::HiddenResonance { frequency_hz });
+        let peaks = hidden.into_iter().chain(self.marginal_hz.iter().map(peak));
+        outside.chain(balance).chain(peaks).collect()
     }
 }
 

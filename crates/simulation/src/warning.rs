@@ -74,6 +74,11 @@ pub enum Warning {
         /// Remainder of the balance over the input.
         residual_relative: f64,
     },
+    /// The response is largest where the force is too weak for a receptance, and the fundamental is another maximum.
+    HiddenResonance {
+        /// Frequency \[Hz\].
+        frequency_hz: f64,
+    },
     /// A maximum of the receptance hardly is a peak, or hardly is none: the fundamental or the second harmonic may be
     /// another, or there may be none.
     MarginalPeak {
@@ -114,6 +119,7 @@ impl Warning {
             Self::AnotherMotion { .. } => "another_motion",
             Self::NotKept { .. } => "not_kept",
             Self::Unresolved { .. } => "unresolved",
+            Self::HiddenResonance { .. } => "hidden_resonance",
             Self::MarginalPeak { .. } => "marginal_peak",
         }
     }
@@ -179,6 +185,11 @@ impl fmt::Display for Warning {
                 f,
                 "the energy balance closes to {residual_relative:.1e} of the input only; a smaller \
                  step or cell, or a law without a jump in stiffness, improves it"
+            ),
+            Self::HiddenResonance { frequency_hz } => write!(
+                f,
+                "the response is largest at {frequency_hz:.2} Hz, where the force is too weak for a receptance: the fundamental found \
+                 need not be the resonance; a pulse of another length excites it"
             ),
             Self::MarginalPeak { frequency_hz } => write!(
                 f,

@@ -88,7 +88,6 @@ fn readme(found: &BTreeMap<String, (String, Vec<TrueValue>)>) -> String {
          its truth is the mean of modal steps of their own to 1e-6 and of cells of 0.0625 mm. \
          A2/A1 of seed20261311-144 is that of modal runs to 1e-4 and 1e-5, which agree within 2e-6, and the \
          limit of cells of 2 and 1 mm. \
-         f1 and A1 of seed20261312-949 have no truth since they depend on whether a ripple is a peak. \
          A new case is a scenario in this folder; the task campaign with the options cases and bless \
          adds its truth here and in truths.json.",
     );

@@ -213,6 +213,22 @@ fn maxima_between_zeros_of_a_lasting_force_are_no_peaks() {
     }
 }
 
+/// The pole beside a zero of the force 7 % below a resonance is higher than it where the record ends while it rings. It is no
+/// oscillation whose ripples might be the resonance, on whatever grid it is found.
+#[test]
+fn a_pole_beside_a_zero_of_the_force_hides_no_resonance() {
+    let (rate, natural) = (2e4, 80.0);
+    for count in (3000..4200).step_by(100) {
+        let hit = struck_by_half_sine(natural, 0.002, 1.5 / (0.93 * natural), rate, count);
+        for padding in [4, 5, 7, 16, 64] {
+            let options = HarmonicOptions { padding, ..HarmonicOptions::default() };
+            let found = find_harmonics(&hit, natural, &options).fundamental;
+            let off = found.map_or(1.0, |peak| peak.frequency_hz / natural - 1.0);
+            assert!(off.abs() < 0.05, "{count} {padding}: {found:?}");
+        }
+    }
+}
+
 /// A zero of the force is beside the resonance, and a pole of `U/F` there, as the record ends while it rings. The height of
 /// the resonance over the trough between them is that of the transform on all grids, and the pole is at one frequency.
 #[test]
@@ -246,7 +262,7 @@ fn a_trough_beside_a_zero_of_the_force_is_exact_on_all_grids() {
         let pole = pole.unwrap();
         for padding in [4, 5, 7] {
             let (prominence, masked) = decided(padding);
-            assert!((prominence - fine).abs() < 1e-3, "{count} {padding}: {prominence} {fine}");
+            assert!((prominence - fine).abs() < 2e-3, "{count} {padding}: {prominence} {fine}");
             // A pole narrower than a step of the grid may be missed.
             let same = masked.is_none_or(|masked| (masked / pole - 1.0).abs() < 1e-9);
             assert!(same, "{count} {padding}: {masked:?} {pole}");

@@ -63,6 +63,7 @@ impl DerivativeTable {
             peaks: PeakValues::of(&features),
             masked_hz: Vec::new(),
             marginal_hz: Vec::new(),
+            hidden_hz: None,
             contacts: contacts.clone(),
             contact_lost: Vec::new(),
             energy: None,

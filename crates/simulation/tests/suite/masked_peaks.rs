@@ -46,3 +46,25 @@ fn a_maximum_that_is_hardly_a_peak_is_a_warning() {
         assert!(!is_marginal(1.5), "{method}");
     }
 }
+
+/// A structure whose largest motion is beside a zero of the force: f1 is a ripple or another maximum, and both engines name
+/// the frequency of the motion. Of one whose resonance is beside such a zero, and found, neither does.
+#[test]
+fn a_resonance_that_a_weak_force_hides_is_named() {
+    for (case, hidden) in [("seed20261312-949", Some(95.0)), ("seed20261315-310", None)] {
+        for method in ["modal", "finite_difference"] {
+            let mut document = Document::read(format!("../../fixtures/cases/{case}.json")).unwrap();
+            document.set("/method/kind", method).unwrap();
+            let summary = simulate(&document, &document.scenario().unwrap()).unwrap().summary;
+            let named = summary.warnings.iter().find_map(|warning| match warning {
+                Warning::HiddenResonance { frequency_hz } => Some(*frequency_hz),
+                _ => None,
+            });
+            let is_right = match (named, hidden) {
+                (Some(named), Some(hidden)) => f64::abs(named - hidden) < 1.0,
+                (named, hidden) => named == hidden,
+            };
+            assert!(is_right, "{case} {method}: {named:?}, {hidden:?}");
+        }
+    }
+}
