@@ -25,7 +25,7 @@ const SAMPLES_A_CYCLE: f64 = 64.0;
 /// Fewest heights for a line and its scatter.
 const FEWEST: usize = 3;
 
-/// Damping of a free decay from its successive maxima and minima.
+/// Damping of a free decay of one mode from its successive maxima and minima.
 ///
 /// ```text
 /// u(t) = c + a exp(-zeta w t) cos(w sqrt(1 - zeta^2) t + phi)
@@ -34,7 +34,8 @@ const FEWEST: usize = 3;
 ///
 /// with `u_k` the alternating extrema, refined by a quartic through five
 /// samples, of 64 to 128 a cycle where there are more. Their differences do not contain the
-/// offset `c`; the line is fitted by least squares.
+/// offset `c`; the line is fitted by least squares. For a decay with other modes see
+/// [`envelope_decrement`](crate::envelope_decrement).
 ///
 /// - `samples`: free decay from the first sample on, any unit. The first extremum taken is a
 ///   quarter of a cycle later, or more.
@@ -70,25 +71,13 @@ pub fn logarithmic_decrement(
     sample_rate_hz: f64,
     frequency_hz: f64,
 ) -> Option<LogarithmicDecrement> {
-    logarithmic_decrement_after(samples, 0.0, sample_rate_hz, frequency_hz)
+    decrement_of(samples, sample_rate_hz, frequency_hz).map(|(found, _)| found)
 }
 
-/// [`logarithmic_decrement`] of a decay that is free from `start` on, in samples from the first one:
-/// between two samples where the end of the force is.
-pub fn logarithmic_decrement_after(
-    samples: &[f64],
-    start: f64,
-    sample_rate_hz: f64,
-    frequency_hz: f64,
-) -> Option<LogarithmicDecrement> {
-    decrement_of(samples, start, sample_rate_hz, frequency_hz).map(|(found, _)| found)
-}
-
-/// [`logarithmic_decrement_after`] and its extrema: their times in seconds, and the derivatives of the
+/// [`logarithmic_decrement`] and its extrema: their times in seconds, and the derivatives of the
 /// damping ratio with respect to their values.
 pub(crate) fn decrement_of(
     samples: &[f64],
-    start: f64,
     sample_rate_hz: f64,
     frequency_hz: f64,
 ) -> Option<(LogarithmicDecrement, Vec<(f64, f64)>)> {
@@ -98,7 +87,7 @@ pub(crate) fn decrement_of(
     if !valid || !samples.iter().fold(true, |all, sample| all & sample.is_finite()) {
         return None;
     }
-    let extrema = alternating_extrema(samples, start, per_cycle);
+    let extrema = alternating_extrema(samples, per_cycle);
     let heights = extrema.windows(2).map(|pair| (pair[0].value - pair[1].value).abs().ln());
     let heights: Vec<f64> = heights.collect();
     if heights.len() < FEWEST {
@@ -138,14 +127,14 @@ struct Extremum {
     is_maximum: bool,
 }
 
-/// Extrema that follow each other half a cycle apart, from a quarter of a cycle after `start` on and
-/// down to the floor.
-fn alternating_extrema(samples: &[f64], start: f64, per_cycle: f64) -> Vec<Extremum> {
+/// Extrema that follow each other half a cycle apart, from a quarter of a cycle on and down to the
+/// floor.
+fn alternating_extrema(samples: &[f64], per_cycle: f64) -> Vec<Extremum> {
     // At least two, with eight samples a cycle.
     let quarter = (0.25 * per_cycle) as usize;
     // Closer samples of a faster ripple, or of noise, may have no vertex.
     let stride = ((per_cycle / SAMPLES_A_CYCLE) as usize).max(1);
-    let first = start + 0.25 * per_cycle;
+    let first = 0.25 * per_cycle;
     let mut extrema: Vec<Extremum> = Vec::new();
     let mut floor = f64::MIN_POSITIVE;
     for n in quarter..samples.len().saturating_sub(quarter) {

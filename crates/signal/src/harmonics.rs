@@ -36,8 +36,8 @@ pub struct HarmonicOptions {
     ///
     /// A record that has not decayed ends in a step `x_end`, whose transform
     /// adds ripples of amplitude `x_end / (2 pi f)`, times up to 1.8 above 1.5
-    /// times the fundamental, and of spacing `1 / T`. Beside a higher maximum that the force is too weak
-    /// for they are taken to be larger, `max(f, f0) f / |f0^2 - f^2|` times.
+    /// times the fundamental, and of spacing `1 / T`. Beside the frequency f0 at which the response is largest, from a distance
+    /// of `1 / T` on, they are taken to be larger, `max(f, f0) f / |f0^2 - f^2|` times.
     /// The default 4 just exceeds their height from trough to crest where the force is as strong at both; a minimum where it
     /// is weaker counts as higher by half of what its ripples are larger.
     /// A record that has decayed is not affected.

@@ -12,8 +12,8 @@
 //! ([`transform_at`]). The receptance `H(f) = U(f) / F(f)` \[m/N\] of a [`FrequencyResponse`]
 //! gives the fundamental `(f1, A1 = |H(f1)|)` and the second harmonic `(f2, A2 = |H(f2)|)`
 //! ([`find_harmonics`]), with the ratio of receptances `A2/A1` ([`Harmonics::ratio`]), and damping
-//! from the half-power width ([`half_power`]). [`logarithmic_decrement`] gives damping from the
-//! decay itself. [`ReceptanceFeatures`] are all of these for one hit.
+//! from the half-power width ([`half_power`]). [`envelope_decrement`] and, where one mode decays,
+//! [`logarithmic_decrement`] give damping from the decay itself. [`ReceptanceFeatures`] are all of these for one hit.
 //!
 //! [`hammer_test`] analyses a record of many hits. Its steps:
 //!
@@ -71,6 +71,7 @@ mod decay_length;
 mod decimation;
 mod decrement;
 mod dominant;
+mod envelope_decrement;
 mod error;
 mod fit;
 mod form;
@@ -110,8 +111,9 @@ pub use damping::{
 };
 pub use decay_length::decay_length;
 pub use decimation::DecimationFilter;
-pub use decrement::{LogarithmicDecrement, logarithmic_decrement, logarithmic_decrement_after};
+pub use decrement::{LogarithmicDecrement, logarithmic_decrement};
 pub use dominant::dominant_frequency;
+pub use envelope_decrement::envelope_decrement;
 pub use error::SignalError;
 pub use form::{FrfForm, ResponseKind};
 pub use free_decay::{

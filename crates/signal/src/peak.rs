@@ -142,7 +142,7 @@ impl PowerGrid {
     }
 
     /// Places on either side of a maximum where `|H| + ripple` is lowest by these powers, and its value; its own where none is
-    /// lower.
+    /// lower. Points where the force is too weak, and weaker than at the maximum, tell something only on a side that has no other.
     fn lowest(
         &self,
         index: usize,

@@ -1,7 +1,7 @@
 //! Fundamental, second harmonic and damping in the receptance of one hit.
 
 use crate::damping::{HalfPower, half_power_crossings};
-use crate::decrement::logarithmic_decrement_after;
+use crate::envelope_decrement::envelope_decrement;
 use crate::harmonics::{HarmonicOptions, Harmonics, find_harmonics};
 use crate::response::FrequencyResponse;
 
@@ -17,7 +17,7 @@ pub struct ReceptanceFeatures {
     pub harmonics: Harmonics,
     /// Half-power crossings of the fundamental; none where a side does not fall to half power.
     pub half_power: Option<HalfPower>,
-    /// Damping ratio by the logarithmic decrement of the decay; none without a long enough decay.
+    /// Damping ratio by the logarithmic decrement of the decay's envelope; none without a long enough decay.
     pub damping_ratio_decrement: Option<f64>,
 }
 
@@ -54,13 +54,13 @@ impl ReceptanceFeatures {
     }
 
     /// These features with the decrement of a `decay` that is free from sample `start` on, at
-    /// `sample_rate_hz`; see [`logarithmic_decrement_after`].
+    /// `sample_rate_hz`; see [`envelope_decrement`].
     #[must_use]
     pub fn with_decay(self, decay: &[f64], start: f64, sample_rate_hz: f64) -> Self {
-        let decrement = self.harmonics.fundamental.and_then(|peak| {
-            logarithmic_decrement_after(decay, start, sample_rate_hz, peak.frequency_hz)
-        });
-        Self { damping_ratio_decrement: decrement.map(|found| found.ratio), ..self }
+        let fundamental = self.harmonics.fundamental;
+        let damping_ratio_decrement = fundamental
+            .and_then(|peak| envelope_decrement(decay, start, sample_rate_hz, peak.frequency_hz));
+        Self { damping_ratio_decrement, ..self }
     }
 
     /// Damping ratio of the fundamental from its half-power width, [`HalfPower::ratio`].

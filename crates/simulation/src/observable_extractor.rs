@@ -208,8 +208,9 @@ impl ObservableExtractor {
                 let rate = sample_rate(record);
                 force.analyse_exactly(factor, (&displacement, rate), natural, &options)?
             };
-            // From the sample before the end of the force on.
-            let decay = record.displacement.get(force.free as usize..).unwrap_or_default();
+            // From the sample before the end of the force on, up to the last whose filter is filled by the run.
+            let whole = record.steps.saturating_sub(1) / record.decimation.factor.max(1);
+            let decay = record.displacement.get(force.free as usize..=whole).unwrap_or_default();
             features = found.with_decay(decay, force.free.fract(), sample_rate(record));
         }
         Ok(Observables::of(&ResponseParts::new(

@@ -12,6 +12,9 @@ use serde_json::Value;
 /// Harmonic ratio A2/A1 below which its error counts relative to this.
 pub(super) const RATIO_FLOOR: f64 = 1e-3;
 
+/// Damping ratio below which its error counts relative to this.
+pub(super) const DAMPING_FLOOR: f64 = 5e-3;
+
 /// Departure of a pressure extreme from rest below which its error counts relative to this part
 /// of the other extreme's departure.
 pub(super) const DEPARTURE_FLOOR: f64 = 0.1;
@@ -24,6 +27,8 @@ pub(super) enum Kind {
     Frequency,
     /// Receptance A1 at the fundamental.
     Receptance,
+    /// Damping ratio, by half power and by the decrement.
+    Damping,
     /// Harmonic ratio A2/A1.
     Ratio,
     /// Extreme of a contact pressure.
@@ -34,15 +39,21 @@ pub(super) enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub(super) const ALL: [Self; 5] =
-        [Self::Frequency, Self::Receptance, Self::Ratio, Self::Pressure, Self::Stiffness];
+    pub(super) const ALL: [Self; 6] = [
+        Self::Frequency,
+        Self::Receptance,
+        Self::Damping,
+        Self::Ratio,
+        Self::Pressure,
+        Self::Stiffness,
+    ];
 
     /// Largest error, relative to the scale of the observable, that counts as right.
     pub(super) fn tolerance(self) -> f64 {
         match self {
             Self::Frequency => 5e-4,
             Self::Receptance | Self::Pressure => 1e-2,
-            Self::Ratio => 2e-2,
+            Self::Damping | Self::Ratio => 2e-2,
             Self::Stiffness => 5e-3,
         }
     }
@@ -52,6 +63,7 @@ impl Kind {
         match self {
             Self::Frequency => "frequency f1, relative",
             Self::Receptance => "receptance A1, relative",
+            Self::Damping => "damping ratios, relative to them or to 0.005",
             Self::Ratio => "harmonic ratio A2/A1, relative to it or to 0.001",
             Self::Pressure => {
                 "lowest and highest pressure, relative to the departure from rest, or to 10 % of \
@@ -78,7 +90,12 @@ pub(super) struct Observable {
 impl Observable {
     pub(super) fn new(name: impl Into<String>, kind: Kind, value: Option<f64>) -> Self {
         let magnitude = value.map_or(0.0, f64::abs);
-        let scale = if kind == Kind::Ratio { magnitude.max(RATIO_FLOOR) } else { magnitude };
+        let least = match kind {
+            Kind::Ratio => RATIO_FLOOR,
+            Kind::Damping => DAMPING_FLOOR,
+            _ => 0.0,
+        };
+        let scale = magnitude.max(least);
         Self { name: name.into(), kind, value, scale }
     }
 
@@ -162,6 +179,10 @@ impl Answer {
             let key = "stiffness_average_pa_per_m";
             let name = format!("interfaces.{name}.{key}");
             observables.push(Observable::new(name, Kind::Stiffness, of_contact(key)));
+        }
+        for key in ["damping_ratio", "damping_ratio_decrement"] {
+            let value = number(&format!("/fundamental/{key}"));
+            observables.push(Observable::new(format!("fundamental.{key}"), Kind::Damping, value));
         }
         let errors = summary["accuracy"]["errors"].as_object().into_iter().flatten();
         Self {

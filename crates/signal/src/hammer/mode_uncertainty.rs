@@ -100,7 +100,7 @@ impl ModeUncertainty {
         settings: &BackboneOptions,
     ) -> Self {
         let (band, filter) = (&settings.band, settings.filter());
-        let Some((_, extrema)) = decrement_of(decay, 0.0, sample_rate_hz, frequency_hz) else {
+        let Some((_, extrema)) = decrement_of(decay, sample_rate_hz, frequency_hz) else {
             return self;
         };
         let span = extrema.last().map_or(0.0, |last| last.0) - extrema[0].0;

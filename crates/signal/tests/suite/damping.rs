@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use crate::oscillator::{Mode, hit};
 use asperity_signal::{
-    HalfPower, HarmonicOptions, find_harmonics, half_power, half_power_crossings, half_power_of,
-    logarithmic_decrement,
+    HalfPower, HarmonicOptions, envelope_decrement, find_harmonics, half_power,
+    half_power_crossings, half_power_of, logarithmic_decrement,
 };
 
 fn mode(damping: f64) -> Mode {
@@ -137,4 +137,70 @@ fn signals_without_decay_have_no_decrement() {
     assert!(found.ratio.abs() < 1e-7, "{found:?}");
     let frequency = 50.0 / std::f64::consts::TAU;
     assert!((found.frequency_hz / frequency - 1.0).abs() < 1e-5, "{found:?}");
+}
+
+/// A decaying oscillation of amplitude 1, and a phase \[rad\].
+fn decaying(frequency: f64, damping: f64, phase: f64) -> impl Fn(f64) -> f64 {
+    let damped = TAU * frequency * (1.0 - damping * damping).sqrt();
+    move |t| (-damping * TAU * frequency * t).exp() * (damped * t + phase).cos()
+}
+
+fn sampled(of: impl Fn(f64) -> f64, rate: f64, duration: f64) -> Vec<f64> {
+    (0..(duration * rate) as usize).map(|n| of(n as f64 / rate)).collect()
+}
+
+/// Verified against a decay of one mode with an offset: exact but for the sampling, which is of third order in the phase per
+/// sample, and wherever between samples the decay begins; the frequency may be 5 % off.
+#[test]
+fn the_decrement_of_an_envelope_is_that_of_a_mode() {
+    for damping in [0.0, 0.001, 0.02, 0.1] {
+        for (per_cycle, most) in [(9.3, 2e-5), (64.0, 5e-6)] {
+            for phase in [0.0, 0.7, 2.0] {
+                for (start, offset) in [(0.0, 0.0), (3.4, 0.2)] {
+                    let mode = decaying(100.0, damping, phase);
+                    let rate = 100.0 * per_cycle;
+                    let samples = sampled(|t| mode(t) + offset, rate, 0.2);
+                    for about in [95.0, 100.0, 105.0] {
+                        let found = envelope_decrement(&samples, start, rate, about).unwrap();
+                        let case =
+                            format!("{damping} {per_cycle} {phase} {start} {about}: {found}");
+                        assert!((found - damping).abs() < most, "{case}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Other modes of the same amplitude, outside the band of the window, do not matter, nor does where the record begins and ends.
+#[test]
+fn other_modes_leave_the_decrement_of_an_envelope() {
+    let (rate, damping) = (1e4, 0.01);
+    for other in [210.0, 330.0, 470.0, 1234.0] {
+        let (mode, other_mode) = (decaying(100.0, damping, 0.3), decaying(other, 0.002, 1.0));
+        let both = |t: f64| mode(t) + other_mode(t);
+        let mut before: Option<f64> = None;
+        for duration in (0..60).map(|k| 0.15 + 2e-4 * f64::from(k)) {
+            let found =
+                envelope_decrement(&sampled(both, rate, duration), 7.0, rate, 100.0).unwrap();
+            assert!((found / damping - 1.0).abs() < 0.01, "{other} {duration}: {found}");
+            let step = before.map_or(0.0, |before| (found - before).abs());
+            assert!(step < 1e-3 * damping, "{other} {duration}: {found}, {before:?}");
+            before = Some(found);
+        }
+    }
+}
+
+/// A frequency that rises by a fifth along the decay, as that of a contact does, leaves its damping.
+#[test]
+fn a_frequency_that_changes_leaves_the_decrement_of_an_envelope() {
+    let (rate, damping, low, high) = (2e4, 0.035, 700.0, 840.0);
+    // The phase of a frequency that is low + (high - low) (1 - exp(-t / tau)).
+    let tau = 0.01;
+    let cycles = |t: f64| high * t - (high - low) * tau * (1.0 - (-t / tau).exp());
+    let decay = |t: f64| (-damping * TAU * cycles(t)).exp() * (TAU * cycles(t)).cos();
+    for about in [700.0, 740.0, 800.0] {
+        let found = envelope_decrement(&sampled(decay, rate, 0.06), 0.0, rate, about).unwrap();
+        assert!((found / damping - 1.0).abs() < 0.01, "{about}: {found}");
+    }
 }
