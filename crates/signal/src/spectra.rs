@@ -3,7 +3,7 @@
 use crate::fit::parabola_vertex;
 use crate::form::ResponseKind;
 use crate::linear_prediction::continued;
-use crate::sums::{absolute_sum, largest_magnitude};
+use crate::sums::{absolute_sum, dot, largest_magnitude};
 use num_complex::Complex64;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -61,8 +61,9 @@ pub(crate) struct RecordEnd {
 }
 
 impl RecordEnd {
-    /// Largest magnitude of the last period of a record; where a filter runs out after it, of the motion that is predicted
-    /// up to its end, or quickly, of the period before less the decay over the half of that time before the end.
+    /// Largest magnitude of the last period of a record, of its [slow motion](slow_end) if there are samples enough; where a
+    /// filter runs out after it, of the motion that is predicted up to its end, or quickly, of the period before less the
+    /// decay over the half of that time before the end.
     fn size(self, samples: &[f64], rate: f64) -> f64 {
         let count = |time: f64| (time * rate).ceil() as usize;
         let period = count(self.period).max(1).min(samples.len());
@@ -75,6 +76,11 @@ impl RecordEnd {
             let before = largest_magnitude(&samples[to.saturating_sub(3 * period)..to]);
             return largest_between(&all[all.len() - period..]).min(before);
         }
+        if self.run_out == 0.0
+            && let Some(slow) = slow_end(&samples[..to], period)
+        {
+            return largest_between(&slow) / SLOW_GAIN;
+        }
         let last = largest_between(&samples[to - period..to]);
         let before = largest_between(&samples[to.saturating_sub(2 * period)..to - period]);
         if self.run_out == 0.0 || before <= last {
@@ -82,6 +88,30 @@ impl RecordEnd {
         }
         last * (last / before).powf(0.5 * self.run_out / self.period)
     }
+}
+
+/// Length of the window of slow motion, over the period.
+const SLOW: f64 = 0.25;
+/// Gain of the window at the period, `sin(pi x) / (pi x (1 - x^2))` of a quarter; a half is left at four times its frequency.
+const SLOW_GAIN: f64 = 0.960_338;
+
+/// The last period of samples under a moving window, a Hann window of a quarter of the period, at 64 places or a few more; `None`
+/// without four samples in the window.
+///
+/// The end of an oscillation far above a frequency w adds ripples of `x_end / w0` there, not `x_end / w`: those of a light
+/// body that rings hardly matter at the fundamental.
+fn slow_end(samples: &[f64], period: usize) -> Option<Vec<f64>> {
+    let length = SLOW * period as f64;
+    let half = (0.5 * length) as usize;
+    let first = samples.len().checked_sub(period + half).filter(|first| *first >= half)?;
+    if length < 4.0 {
+        return None;
+    }
+    let weights: Vec<f64> =
+        (0..=2 * half).map(|k| 1.0 + (TAU * (k as f64 - half as f64) / length).cos()).collect();
+    let sum: f64 = weights.iter().sum();
+    let at = |place: usize| dot(&weights, &samples[place - half..=place + half]) / sum;
+    Some((first..samples.len() - half).step_by((period / 64).max(1)).map(at).collect())
 }
 
 /// Largest magnitude of samples, or of the parabola through one and its smaller neighbours.
@@ -149,6 +179,22 @@ mod tests {
         let growing: Vec<f64> = (0..300).map(|n| 1.1_f64.powi(n)).collect();
         assert!(predicted.size(&growing, rate) <= growing[299]);
         assert!(told.size(&filtered[..20], rate) > 0.0 && told.size(&[], rate) == 0.0);
+    }
+
+    /// The end of an oscillation and of one twenty times as fast and as large, whose own ripples are a twentieth: its size is
+    /// that of the slow one, wherever the record ends.
+    #[test]
+    fn a_fast_oscillation_is_no_size_of_an_end() {
+        let (rate, frequency) = (1e5, 100.0);
+        let both = |n: usize| {
+            let turn = TAU * frequency * n as f64 / rate;
+            turn.sin() + (20.3 * turn).cos()
+        };
+        let end = RecordEnd { period: 1.0 / frequency, run_out: 0.0, is_predicted: false };
+        for length in (5000..6000).step_by(37) {
+            let size = end.size(&(0..length).map(both).collect::<Vec<_>>(), rate);
+            assert!((size - 1.0).abs() < 0.02, "{length}: {size}");
+        }
     }
 
     /// Two modes that beat: the period before a filter runs out is up to twice as large or half as large as the last.
