@@ -2,6 +2,7 @@
 
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 /// Half the length of the window, in cycles.
 const HALF_WINDOW: f64 = 1.0;
@@ -28,7 +29,7 @@ const FARTHEST: f64 = 0.5;
 /// counts by the product of its distances from both ends, so that it hardly matters where a record that beats begins and
 /// ends. `G` takes out the window's gain along a decay whose frequency changes.
 ///
-/// - `samples`: free decay, at `sample_rate_hz`, from `start` on, in samples from the first one.
+/// - `samples`: at `sample_rate_hz`; free decay in `range`, in samples from the first one, between two where its ends are.
 /// - `frequency_hz`: of the oscillation, at most an eighth of the rate.
 ///
 /// `None` for a decay of fewer than three cycles, and samples or arguments that are not finite. Limiting case: a decay of one
@@ -48,24 +49,25 @@ const FARTHEST: f64 = 0.5;
 ///     .map(|n| f64::from(n) / rate)
 ///     .map(|t| 0.5 + mode(100.0, 0.01, t) + 2.0 * mode(430.0, 0.01, t))
 ///     .collect();
-/// let ratio = envelope_decrement(&decay, 0.0, rate, 100.0).ok_or("a decay has a decrement")?;
+/// let ratio = envelope_decrement(&decay, 0.0..1999.0, rate, 100.0).ok_or("a decay has a decrement")?;
 /// assert!((ratio - 0.01).abs() < 1e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn envelope_decrement(
     samples: &[f64],
-    start: f64,
+    range: Range<f64>,
     sample_rate_hz: f64,
     frequency_hz: f64,
 ) -> Option<f64> {
     let per_cycle = sample_rate_hz / frequency_hz;
-    let valid = per_cycle.is_finite() && per_cycle >= 8.0 && start >= 0.0;
+    let valid = per_cycle.is_finite() && per_cycle >= 8.0 && range.start >= 0.0;
     if !valid || !samples.iter().fold(true, |all, sample| all & sample.is_finite()) {
         return None;
     }
-    let first = start / per_cycle + HALF_WINDOW;
-    let last = samples.len().saturating_sub(1) as f64 / per_cycle - HALF_WINDOW;
-    if last - first < FEWEST {
+    let end = range.end.min(samples.len().saturating_sub(1) as f64);
+    let first = range.start / per_cycle + HALF_WINDOW;
+    let last = end / per_cycle - HALF_WINDOW;
+    if last - first < FEWEST || !last.is_finite() {
         return None;
     }
     let sums = DemodulatedSums::of(samples, per_cycle);

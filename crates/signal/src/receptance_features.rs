@@ -4,6 +4,7 @@ use crate::damping::{HalfPower, half_power_crossings};
 use crate::envelope_decrement::envelope_decrement;
 use crate::harmonics::{HarmonicOptions, Harmonics, find_harmonics};
 use crate::response::FrequencyResponse;
+use std::ops::Range;
 
 /// Fundamental, second harmonic and damping of one hit.
 ///
@@ -39,7 +40,7 @@ impl ReceptanceFeatures {
     /// force[0] = rate;
     /// let response = FrequencyResponse::from_displacement(&force, &displacement, rate)?;
     /// let features = ReceptanceFeatures::of(&response, 190.0, &HarmonicOptions::default())
-    ///     .with_decay(&displacement, 1.0, rate);
+    ///     .with_decay(&displacement, 1.0..19_999.0, rate);
     /// for ratio in [features.damping_ratio(), features.damping_ratio_decrement] {
     ///     assert!((ratio.ok_or("a mode has damping")? - zeta).abs() < 1e-5);
     /// }
@@ -53,13 +54,18 @@ impl ReceptanceFeatures {
         Self { harmonics, half_power, damping_ratio_decrement: None }
     }
 
-    /// These features with the decrement of a `decay` that is free from sample `start` on, at
-    /// `sample_rate_hz`; see [`envelope_decrement`].
+    /// These features with the decrement of a `decay` at `sample_rate_hz`, whose motion is free and known in a `range`, in
+    /// samples; see [`envelope_decrement`].
+    ///
+    /// The last cycle is left out, so that the ratio does not depend on whether a filter has run out at the end.
     #[must_use]
-    pub fn with_decay(self, decay: &[f64], start: f64, sample_rate_hz: f64) -> Self {
+    pub fn with_decay(self, decay: &[f64], range: Range<f64>, sample_rate_hz: f64) -> Self {
         let fundamental = self.harmonics.fundamental;
-        let damping_ratio_decrement = fundamental
-            .and_then(|peak| envelope_decrement(decay, start, sample_rate_hz, peak.frequency_hz));
+        let damping_ratio_decrement = fundamental.and_then(|peak| {
+            let frequency_hz = peak.frequency_hz;
+            let range = range.start..range.end - sample_rate_hz / frequency_hz;
+            envelope_decrement(decay, range, sample_rate_hz, frequency_hz)
+        });
         Self { damping_ratio_decrement, ..self }
     }
 

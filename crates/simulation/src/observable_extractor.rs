@@ -208,10 +208,15 @@ impl ObservableExtractor {
                 let rate = sample_rate(record);
                 force.analyse_exactly(factor, (&displacement, rate), natural, &options)?
             };
-            // From the sample before the end of the force on, up to the last whose filter is filled by the run.
-            let whole = record.steps.saturating_sub(1) / record.decimation.factor.max(1);
-            let decay = record.displacement.get(force.free as usize..=whole).unwrap_or_default();
-            features = found.with_decay(decay, force.free.fract(), sample_rate(record));
+            // From the sample before the end of the force on, up to the last whose filter is filled by the run; the motion
+            // ends half a filter later.
+            let factor = record.decimation.factor.max(1);
+            let last = record.steps.saturating_sub(1);
+            let begin = force.free as usize;
+            let decay = record.displacement.get(begin..=last / factor).unwrap_or_default();
+            let end = (last + record.decimation.taps.len() / 2) as f64 / factor as f64;
+            let free = force.free.fract()..end - begin as f64;
+            features = found.with_decay(decay, free, sample_rate(record));
         }
         Ok(Observables::of(&ResponseParts::new(
             &prepared.at_rest,

@@ -66,7 +66,7 @@ impl Observables {
             let free = free_from(&history.load, assembly.load.peak());
             let decay = displacement.get(free..).unwrap_or_default();
             features = ReceptanceFeatures::of(&response, natural, &HarmonicOptions::default())
-                .with_decay(decay, 0.0, rate);
+                .with_decay(decay, 0.0..decay.len().saturating_sub(1) as f64, rate);
         }
         Ok(Self::of(&ResponseParts::new(
             at_rest,
