@@ -25,9 +25,9 @@ const FARTHEST: f64 = 0.5;
 ///
 /// The window is two cycles long: its transform is zero at an offset, at twice `f` and at all its higher harmonics, and falls as
 /// the cube of the distance beyond. The line of the logarithm of the envelope over the cycles `c` is fitted by least
-/// squares to four envelopes a cycle or a few more, up to the last whole window, or to where the envelope falls below 1e-3 of the first. Each
-/// counts by the product of its distances from both ends, so that it hardly matters where a record that beats begins and
-/// ends. `G` takes out the window's gain along a decay whose frequency changes.
+/// squares to four envelopes a cycle or a few more, up to the last whole window, or to where the envelope falls below 1e-3 of
+/// the first. Each counts by the product of its distances from both ends, so that it hardly matters where a record that
+/// beats begins and ends. `G` takes out the window's gain along a decay whose frequency changes.
 ///
 /// - `samples`: at `sample_rate_hz`; free decay in `range`, in samples from the first one, between two where its ends are.
 /// - `frequency_hz`: of the oscillation, at most an eighth of the rate.

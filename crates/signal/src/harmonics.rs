@@ -176,8 +176,10 @@ pub(crate) fn second_harmonic(
 ) -> Option<Peak> {
     let (low, high) = options.second_window;
     let window = (low * fundamental_hz, high * fundamental_hz);
-    // The strength of the force is compared with its largest from the fundamental on.
-    let search = HarmonicSearch::new(response, (fundamental_hz.min(window.0), window.1), options);
+    // The strength of the force is compared with its largest from the fundamental on, where the response is largest.
+    let band = (fundamental_hz.min(window.0), window.1);
+    let oscillation_hz = Some(fundamental_hz);
+    let search = HarmonicSearch { oscillation_hz, ..HarmonicSearch::new(response, band, options) };
     search.largest(window, 1.0 / fundamental_hz, &mut Harmonics::default()).0
 }
 
@@ -320,10 +322,9 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         if !(low < frequency_hz && frequency_hz < high) {
             return None;
         }
-        let force = self.response.force_magnitude(frequency_hz);
-        let is_weak = force < self.grid.force_floor;
-        let is_near_floor =
-            (force - self.grid.force_floor).abs() < MARGINAL * self.grid.force_floor;
+        let (force, floor) = (self.response.force_magnitude(frequency_hz), self.grid.force_floor);
+        let is_weak = force < floor;
+        let is_near_floor = (force - floor).abs() < MARGINAL * floor;
         if is_weak {
             masked_hz.push(frequency_hz);
         }

@@ -157,13 +157,10 @@ impl PowerGrid {
             let lower = strong.take_while(|&k| self.heights[k] <= top).map(value);
             lower.min_by(|a, b| a.1.total_cmp(&b.1))
         };
-        let (before, after) = (0..index, index + 1..self.heights.len());
-        let side =
-            |strong: Option<_>, any: Option<_>| strong.or(any).unwrap_or_else(|| value(index));
-        [
-            side(lowest(&mut before.clone().rev(), floor), lowest(&mut before.rev(), 0.0)),
-            side(lowest(&mut after.clone(), floor), lowest(&mut after.clone(), 0.0)),
-        ]
+        let before = |floor| lowest(&mut (0..index).rev(), floor);
+        let after = |floor| lowest(&mut (index + 1..self.heights.len()), floor);
+        [before(floor).or_else(|| before(0.0)), after(floor).or_else(|| after(0.0))]
+            .map(|lowest| lowest.unwrap_or_else(|| value(index)))
     }
 }
 
