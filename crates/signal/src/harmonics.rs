@@ -2,7 +2,7 @@
 
 use crate::peak::{Peak, PowerGrid, refine};
 use crate::response::FrequencyResponse;
-use crate::spectra::{HitSpectra, RecordEnd};
+use crate::spectra::{COVERED, HitSpectra, RecordEnd};
 
 /// Window of the second harmonic over the fundamental, of simulated and of measured hits.
 ///
@@ -77,10 +77,10 @@ pub struct Harmonics {
     pub second: Option<Peak>,
     /// Frequencies (Hz) of maxima in either window where the force is too weak.
     pub masked_hz: Vec<f64>,
-    /// Frequencies (Hz) of maxima, of those no lower than the peak in either window, whose height is within 10 % of the least
-    /// that tells a peak from ripples, or between two estimates of it where a filter hides the size of the record's end, or
-    /// where the force is within 10 % of too weak, and of maxima that are lower than the fundamental by less than 0.3 %: a slightly
-    /// longer record or pulse may decide otherwise about them.
+    /// Frequencies (Hz) of maxima, of those no lower than the peak in either window, that a slightly longer record or pulse may
+    /// decide otherwise about: whose height is within 10 % of the least that tells a peak from ripples, or, where a filter hides
+    /// the size of the record's end, within 20 % or between two estimates of it; where the force is within 10 % of too weak;
+    /// and maxima that are lower than the fundamental by less than 0.3 %.
     pub marginal_hz: Vec<f64>,
     /// Frequency (Hz) in the window of the fundamental at which the response itself is largest, if the force is too weak for a
     /// maximum there and the fundamental found is another: it need not be the resonance.
@@ -208,14 +208,15 @@ fn leakage_beside(oscillation_hz: f64, frequency_hz: f64) -> f64 {
     f.max(f0) * f / ((f0 * f0 - f * f).abs() * COVERED)
 }
 
-/// Part of that ratio that the leakage margin covers.
-const COVERED: f64 = 1.8;
-
 /// Relative distance of a height from the least one within which its minima are found exactly, at least.
 const NEAR: f64 = 0.25;
 
 /// Relative distance of a height, and of the force, from the least one up to which a maximum is marginal.
 const MARGINAL: f64 = 0.1;
+
+/// The same of a height where a filter hides the record's end: what it keeps does not tell how large the ripples of fast
+/// motion are.
+const MARGINAL_BEHIND_FILTER: f64 = 0.2;
 
 /// Magnitude of a maximum over that on the grid at most, unless it is narrower than a step of it.
 const BETWEEN: f64 = 1.1;
@@ -356,9 +357,10 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         let (mut height, mut least) = (quick_height, quick);
         // Beside a zero of the force minima lie deep between the points of the grid, and the height may be any up to this.
         let most = if beside > 1.0 { magnitude } else { height };
+        let is_filtered = self.options.run_out_s > 0.0;
         // Where it decides, the motion is predicted to the record's end.
         let may_beat = height < least * BEATING && most >= least / BEATING;
-        if self.options.run_out_s > 0.0 && may_beat {
+        if is_filtered && may_beat {
             (leak, least) = leak_with(true);
             height = magnitude - self.grid.saddle_above(index, &further(leak));
         }
@@ -369,7 +371,8 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
             height = magnitude - self.grid.exact_saddle_above(self.response, index, &further(leak));
         }
         let is_by_ripples = least > self.options.minimum_prominence * magnitude;
-        let is_near = (height - least).abs() < MARGINAL * least;
+        let margin = if is_filtered { MARGINAL_BEHIND_FILTER } else { MARGINAL };
+        let is_near = (height - least).abs() < margin * least;
         let is_hardly_higher =
             is_by_ripples && (is_near || (quick_height >= quick) != (height >= least));
         let is_high = height >= least;

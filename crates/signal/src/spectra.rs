@@ -61,10 +61,10 @@ pub(crate) struct RecordEnd {
 }
 
 impl RecordEnd {
-    /// Largest magnitude of the last period of a record, of its [slow motion](slow_end) if there are samples enough; where a
-    /// filter runs out after it, of the motion that is predicted up to its end, or quickly, of the period before less the
-    /// decay over the half of that time before the end.
-    fn size(self, samples: &[f64], rate: f64) -> f64 {
+    /// Largest magnitude of the last period of a record, or, if there are samples enough, of its slow motion with as much of
+    /// its fast motion as [counts](EndMotion) at a frequency; where a filter runs out after it, of the motion that is
+    /// predicted up to its end, or quickly, of the period before less the decay over the half of that time before the end.
+    fn size(self, samples: &[f64], rate: f64, frequency_hz: f64) -> f64 {
         let count = |time: f64| (time * rate).ceil() as usize;
         let period = count(self.period).max(1).min(samples.len());
         // A record shorter than both is searched from its start.
@@ -77,9 +77,9 @@ impl RecordEnd {
             return largest_between(&all[all.len() - period..]).min(before);
         }
         if self.run_out == 0.0
-            && let Some(slow) = slow_end(&samples[..to], period)
+            && let Some(motion) = EndMotion::of(&samples[..to], period)
         {
-            return largest_between(&slow) / SLOW_GAIN;
+            return motion.size(TAU * frequency_hz / rate);
         }
         let last = largest_between(&samples[to - period..to]);
         let before = largest_between(&samples[to.saturating_sub(2 * period)..to - period]);
@@ -90,28 +90,75 @@ impl RecordEnd {
     }
 }
 
+/// Ripples of a step `x_end` at 1.5 times the frequency of the oscillation it ends, over `x_end / w`.
+pub(crate) const COVERED: f64 = 1.8;
+
 /// Length of the window of slow motion, over the period.
 const SLOW: f64 = 0.25;
 /// Gain of the window at the period, `sin(pi x) / (pi x (1 - x^2))` of a quarter; a half is left at four times its frequency.
 const SLOW_GAIN: f64 = 0.960_338;
 
-/// The last period of samples under a moving window, a Hann window of a quarter of the period, at 64 places or a few more; `None`
-/// without four samples in the window.
+/// Slow and fast motion in the last period of a record: samples under a moving window, a Hann window of a quarter of the
+/// period, and the rest.
 ///
-/// The end of an oscillation far above a frequency w adds ripples of `x_end / w0` there, not `x_end / w`: those of a light
-/// body that rings hardly matter at the fundamental.
-fn slow_end(samples: &[f64], period: usize) -> Option<Vec<f64>> {
-    let length = SLOW * period as f64;
-    let half = (0.5 * length) as usize;
-    let first = samples.len().checked_sub(period + half).filter(|first| *first >= half)?;
-    if length < 4.0 {
-        return None;
+/// The end of a motion `x` far below a frequency w adds ripples of `x / w`; of one far above, of its integral:
+///
+/// ```text
+/// | integral from T of x exp(-i w t) dt |  ->  | x(T) | / w,   | integral of x up to T |,   x periodic of mean zero
+/// ```
+///
+/// that of a light body that rings a hundred times as fast hardly matters.
+struct EndMotion {
+    /// Largest magnitude of the slow motion.
+    slow: f64,
+    /// Largest magnitude of the integral of the fast motion, in samples.
+    fast_integral: f64,
+}
+
+impl EndMotion {
+    /// The motion at 64 places or a few more; `None` without four samples in the window.
+    fn of(samples: &[f64], period: usize) -> Option<Self> {
+        let length = SLOW * period as f64;
+        let half = (0.5 * length) as usize;
+        let first = samples.len().checked_sub(period + half).filter(|first| *first >= half)?;
+        if length < 4.0 {
+            return None;
+        }
+        let weights: Vec<f64> =
+            (0..=2 * half).map(|k| 1.0 + (TAU * (k as f64 - half as f64) / length).cos()).collect();
+        let sum: f64 = weights.iter().sum();
+        let windowed =
+            |of: &[f64], place: usize| dot(&weights, &of[place - half..=place + half]) / sum;
+        let places = || (first..samples.len() - half).step_by((period / 64).max(1));
+        let slow: Vec<f64> = places().map(|place| windowed(samples, place)).collect();
+        let slow = largest_between(&slow) / SLOW_GAIN;
+        let integral = trapezoids(&samples[first - half..]);
+        let rest = |place: usize| {
+            let place = place - (first - half);
+            (integral[place] - windowed(&integral, place)).abs()
+        };
+        // The window leaves a little of the slow motion too.
+        let left = (1.0 - SLOW_GAIN) * slow * period as f64 / TAU;
+        let fast_integral = (places().map(rest).fold(0.0, f64::max) - left).max(0.0);
+        Some(Self { slow, fast_integral })
     }
-    let weights: Vec<f64> =
-        (0..=2 * half).map(|k| 1.0 + (TAU * (k as f64 - half as f64) / length).cos()).collect();
-    let sum: f64 = weights.iter().sum();
-    let at = |place: usize| dot(&weights, &samples[place - half..=place + half]) / sum;
-    Some((first..samples.len() - half).step_by((period / 64).max(1)).map(at).collect())
+
+    /// Magnitude of a slow motion that adds ripples as large at an angular frequency \[rad per sample\], in units of those
+    /// of slow motion at 1.5 times its frequency.
+    fn size(&self, omega: f64) -> f64 {
+        self.slow + omega * self.fast_integral / COVERED
+    }
+}
+
+/// Integral up to each sample, in samples, by the trapezoidal rule.
+fn trapezoids(samples: &[f64]) -> Vec<f64> {
+    let (mut sum, mut last) = (0.0, 0.0);
+    let next = |sample: &f64| {
+        sum += 0.5 * (last + sample);
+        last = *sample;
+        sum
+    };
+    samples.iter().map(next).collect()
 }
 
 /// Largest magnitude of samples, or of the parabola through one and its smaller neighbours.
@@ -134,7 +181,7 @@ impl Ripple {
     /// Ripple of a record of `samples` under a force of spectral magnitude `force` at a frequency.
     ///
     /// `leakage` is that of the step at the end of the record, `x_end / (w |F|)` with `x_end` the
-    /// largest magnitude in its `end`, between samples too; `rounding` is that of the transform, relative
+    /// size of the motion in its `end`, between samples too; `rounding` is that of the transform, relative
     /// to `dt sum |x|`.
     pub(crate) fn of(
         samples: &[f64],
@@ -142,7 +189,7 @@ impl Ripple {
         force: f64,
         (frequency_hz, end): (f64, RecordEnd),
     ) -> Self {
-        let end = end.size(samples, rate);
+        let end = end.size(samples, rate, frequency_hz);
         let omega = TAU * frequency_hz;
         let scale = 1.0 / (omega.powi(kind.derivatives()) * force);
         Self {
@@ -167,33 +214,53 @@ mod tests {
         let end = RecordEnd { period: 1.0 / frequency, run_out: 0.0, is_predicted: false };
         let plain: Vec<f64> = (0..1500).map(motion).collect();
         let exact = 0.99_f64.powf(1.5 * frequency - 1.0);
-        assert!((end.size(&plain, rate) / exact - 1.0).abs() < 0.01);
+        assert!((end.size(&plain, rate, frequency) / exact - 1.0).abs() < 0.01);
         let overshot = (0..1500).map(|n| if n < 1500 - half { 1.0 } else { 1.09 } * motion(n));
         let filtered: Vec<f64> = overshot.chain((0..half).map(|_| 0.0)).collect();
         let told = RecordEnd { run_out: f64::from(2 * half) / rate, ..end };
         let predicted = RecordEnd { is_predicted: true, ..told };
         for end in [told, predicted] {
-            assert!((end.size(&filtered, rate) / exact - 1.0).abs() < 0.01);
+            assert!((end.size(&filtered, rate, frequency) / exact - 1.0).abs() < 0.01);
         }
-        assert_eq!(end.size(&filtered, rate), 0.0);
+        assert_eq!(end.size(&filtered, rate, frequency), 0.0);
         let growing: Vec<f64> = (0..300).map(|n| 1.1_f64.powi(n)).collect();
-        assert!(predicted.size(&growing, rate) <= growing[299]);
-        assert!(told.size(&filtered[..20], rate) > 0.0 && told.size(&[], rate) == 0.0);
+        assert!(predicted.size(&growing, rate, frequency) <= growing[299]);
+        assert!(
+            told.size(&filtered[..20], rate, frequency) > 0.0
+                && told.size(&[], rate, frequency) == 0.0
+        );
     }
 
-    /// The end of an oscillation and of one twenty times as fast and as large, whose own ripples are a twentieth: its size is
-    /// that of the slow one, wherever the record ends.
+    /// The end of an oscillation and of a faster one: its size is no less than its largest ripples ask for, wherever the
+    /// record ends, and not twice as much. Exactly, `x = a sin(w0 t + phi)` adds ripples of
+    /// `a |w0 cos(phi) + i w sin(phi)| / |w0^2 - w^2|`.
     #[test]
-    fn a_fast_oscillation_is_no_size_of_an_end() {
+    fn a_fast_oscillation_counts_as_much_as_its_ripples() {
         let (rate, frequency) = (1e5, 100.0);
-        let both = |n: usize| {
-            let turn = TAU * frequency * n as f64 / rate;
-            turn.sin() + (20.3 * turn).cos()
-        };
         let end = RecordEnd { period: 1.0 / frequency, run_out: 0.0, is_predicted: false };
-        for length in (5000..6000).step_by(37) {
-            let size = end.size(&(0..length).map(both).collect::<Vec<_>>(), rate);
-            assert!((size - 1.0).abs() < 0.02, "{length}: {size}");
+        let largest_ripple =
+            |size: f64, f0: f64, f: f64| size * f.max(f0) * f / (f0 * f0 - f * f).abs() / COVERED;
+        for (ratio, size) in
+            [(3.3, 1.0), (4.1, 2.0), (5.0, 1.0), (8.0, 3.0), (13.3, 20.0), (20.3, 1.0)]
+        {
+            for at in [1.6, 1.9, 2.3] {
+                let both = |n: usize| {
+                    let turn = TAU * frequency * n as f64 / rate;
+                    turn.sin() + size * (ratio * turn).cos()
+                };
+                let needed =
+                    [(1.0, 1.0), (size, ratio)].map(|(size, f0)| largest_ripple(size, f0, at));
+                let needed: f64 = needed.iter().sum();
+                for length in (5000..6000).step_by(37) {
+                    let record = (0..length).map(both).collect::<Vec<_>>();
+                    let found = end.size(&record, rate, at * frequency);
+                    let over = found / needed;
+                    assert!(
+                        (0.98..2.0).contains(&over),
+                        "{ratio} {size} at {at}: {found} {needed}"
+                    );
+                }
+            }
         }
     }
 
@@ -211,12 +278,12 @@ mod tests {
         let mut worst = [0.0_f64; 2];
         for length in 200..240 {
             let all: Vec<f64> = (0..length).map(motion).collect();
-            let exact = end.size(&all, rate);
+            let exact = end.size(&all, rate, 49.4);
             // What the filter leaves of the samples beside the end does not count.
             let filtered = [&all[..length - half], &vec![f64::NAN; 2 * half][..]].concat();
             for (is_predicted, worst) in [false, true].into_iter().zip(&mut worst) {
                 let told = RecordEnd { run_out, is_predicted, ..end };
-                *worst = worst.max((told.size(&filtered, rate) / exact).ln().abs());
+                *worst = worst.max((told.size(&filtered, rate, 49.4) / exact).ln().abs());
             }
         }
         assert!(worst[0] > 0.3 && worst[1] < 0.02, "{worst:?}");
