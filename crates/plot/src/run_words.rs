@@ -39,6 +39,11 @@ pub fn run_words(summary: &Summary) -> String {
             {
                 line("damping (half power)", format!("{:.2} %", 100.0 * ratio));
             }
+            if let Some(ratio) = f.damping_ratio_decrement
+                && stated("fundamental.damping_ratio_decrement", ratio)
+            {
+                line("damping (decrement)", format!("{:.2} %", 100.0 * ratio));
+            }
         }
         None => {
             let natural = summary.at_rest.natural_frequency_hz;

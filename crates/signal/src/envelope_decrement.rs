@@ -12,6 +12,8 @@ const A_CYCLE: f64 = 4.0;
 const FLOOR: f64 = 1e-3;
 /// Fewest cycles between the first and the last envelope.
 const FEWEST: f64 = 1.0;
+/// Standard deviation of the logarithm of an envelope that neither decays nor grows, at most.
+const STEADY: f64 = 0.05;
 /// Distance of the local frequency from the one given, over it, up to which the window's gain is taken out.
 const FARTHEST: f64 = 0.5;
 
@@ -32,7 +34,8 @@ const FARTHEST: f64 = 0.5;
 /// - `samples`: at `sample_rate_hz`; free decay in `range`, in samples from the first one, between two where its ends are.
 /// - `frequency_hz`: of the oscillation, at most an eighth of the rate.
 ///
-/// `None` for a decay of fewer than three cycles, and samples or arguments that are not finite. Limiting case: a decay of one
+/// `None` for a decay of fewer than three cycles, an envelope that grows or scatters about the line by more than the line falls
+/// (standard deviations, above 5 %), as where a body that was thrown up hits again and again, and samples or arguments that are not finite. Limiting case: a decay of one
 /// viscously damped mode has its ratio, and zero without damping. With another oscillation within half of `frequency_hz` the
 /// envelope beats, and the ratio is a mean.
 ///
@@ -202,5 +205,9 @@ fn fitted_decrement(envelopes: &[Envelope]) -> Option<f64> {
     let cross = mean(&|one| (one.cycles - cycles) * (one.log - log));
     let square = mean(&|one| (one.cycles - cycles).powi(2));
     let decrement = -cross / square;
-    (known && decrement.is_finite()).then_some(decrement)
+    // Standard deviations of the envelope by the line, negative if it grows, and about it.
+    let fall = decrement * square.sqrt();
+    let scatter = (mean(&|one| (one.log - log).powi(2)) - fall * fall).max(0.0).sqrt();
+    let decays = if scatter > STEADY { fall >= scatter } else { fall >= -STEADY };
+    (known && decays && decrement.is_finite()).then_some(decrement)
 }

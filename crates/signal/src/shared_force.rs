@@ -119,7 +119,7 @@ impl SharedForce {
         let first_step = 0.25 * self.rate / displacement.len() as f64;
         let highest = (self.keep - POINTS) as f64 * hit.step();
         let half_power = half_power_of(power, f, first_step, highest);
-        Some(ReceptanceFeatures { harmonics, half_power, damping_ratio_decrement: None })
+        Some(ReceptanceFeatures { harmonics, half_power, ..ReceptanceFeatures::default() })
     }
 }
 

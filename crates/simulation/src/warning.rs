@@ -85,10 +85,19 @@ pub enum Warning {
         /// Frequency \[Hz\].
         frequency_hz: f64,
     },
+    /// The record ends before the response has decayed to [`MOST_LEFT`]: a half-power damping ratio is that of its end.
+    NotDecayed {
+        /// Standard deviation of the last cycle or twentieth of the decay over its largest value.
+        left: f64,
+    },
 }
 
 /// Remainder of the energy balance, over the input, up to which there is no warning.
 pub const MOST_RESIDUAL: f64 = 1e-2;
+
+/// Part of the decay that is left where the record ends up to which there is no warning, that of measured hits. The half-power
+/// damping ratio is 4 % too large there.
+pub const MOST_LEFT: f64 = 0.01;
 
 impl Warning {
     /// The warning about pressures of `lowest` to `highest` \[Pa\] at `interface`, if its law was
@@ -121,6 +130,7 @@ impl Warning {
             Self::Unresolved { .. } => "unresolved",
             Self::HiddenResonance { .. } => "hidden_resonance",
             Self::MarginalPeak { .. } => "marginal_peak",
+            Self::NotDecayed { .. } => "not_decayed",
         }
     }
 }
@@ -197,6 +207,12 @@ impl fmt::Display for Warning {
                  as the ripples of a record that ends while the motion rings, or as another maximum, or the force there is \
                  hardly strong enough; f1, A1 or A2/A1 depend on it, and a longer `duration_s`, or a pulse of another \
                  length, decides"
+            ),
+            Self::NotDecayed { left } => write!(
+                f,
+                "the record ends while {:.1} % of the decay is left, which widens peaks: a half-power damping ratio is too large, \
+                 that by the decrement is not, and a longer `duration_s` mends it",
+                100.0 * left
             ),
         }
     }

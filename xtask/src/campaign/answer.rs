@@ -131,6 +131,8 @@ pub(super) struct Answer {
     pub(super) stated: BTreeMap<String, f64>,
     /// Statements of the answer that its numbers may be wrong.
     pub(super) reservations: Vec<String>,
+    /// True if the answer says that its record ends early, and widens the half-power damping ratio.
+    pub(super) is_undecayed: bool,
     /// Integration step \[s\].
     pub(super) step_s: f64,
     /// Most modes of a body; zero of finite differences.
@@ -191,11 +193,18 @@ impl Answer {
                 .filter_map(|(name, error)| Some((name.clone(), error.as_f64()?)))
                 .collect(),
             reservations: reservations(summary),
+            is_undecayed: kinds(summary).any(|kind| kind == NOT_DECAYED),
             step_s: number("/numerics/step_s").unwrap_or(f64::NAN),
             modes_per_body: most_modes(summary),
             residual: number("/energy/residual_relative").unwrap_or(f64::NAN),
             contact_lost: interfaces.iter().any(|one| one["contact_lost_s"].as_f64() > Some(0.0)),
         }
+    }
+
+    /// True if it says of the observables of these names that they may be wrong.
+    pub(super) fn is_reserved_about<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> bool {
+        let is_widened = |name| self.is_undecayed && name == HALF_POWER;
+        !self.reservations.is_empty() || names.into_iter().all(is_widened)
     }
 
     /// Value of the observable of this name.
@@ -217,13 +226,21 @@ fn most_modes(summary: &Value) -> usize {
     counts.max().map_or(0, |most| usize::try_from(most).unwrap_or(usize::MAX))
 }
 
-/// Statements of a summary that its numbers may be wrong. Pressures beyond the measured range are
-/// a reservation about the law, not about the numbers.
-fn reservations(summary: &Value) -> Vec<String> {
+/// Observable that a record that ends early widens, and the warning about it.
+const HALF_POWER: &str = "fundamental.damping_ratio";
+const NOT_DECAYED: &str = "not_decayed";
+
+/// Kinds of the warnings of a summary.
+fn kinds(summary: &Value) -> impl Iterator<Item = &str> {
     let warnings = summary["warnings"].as_array().map(Vec::as_slice).unwrap_or_default();
-    let kinds = warnings.iter().filter_map(|warning| warning["kind"].as_str());
-    let mut found: Vec<String> =
-        kinds.filter(|kind| *kind != "outside_measured_range").map(str::to_owned).collect();
+    warnings.iter().filter_map(|warning| warning["kind"].as_str())
+}
+
+/// Statements of a summary that its numbers may be wrong. Pressures beyond the measured range are
+/// a reservation about the law, not about the numbers, and a record that ends early about [one](HALF_POWER) of them.
+fn reservations(summary: &Value) -> Vec<String> {
+    let is_about_all = |kind: &&str| !["outside_measured_range", NOT_DECAYED].contains(kind);
+    let mut found: Vec<String> = kinds(summary).filter(is_about_all).map(str::to_owned).collect();
     if summary["sensitive"] == true {
         found.push("sensitive".to_owned());
     }
@@ -337,5 +354,17 @@ mod tests {
         summary["accuracy"] = json!({"reached": false});
         summary["warnings"] = json!([]);
         assert_eq!(reservations(&summary), ["sensitive", "accuracy not reached"]);
+    }
+    /// A record that ends early is a reservation about the half-power damping ratio, and about nothing else.
+    #[test]
+    fn an_undecayed_record_is_a_reservation_about_its_width() {
+        let mut summary = summary();
+        summary["warnings"] = json!([{"kind": "not_decayed", "left": 0.3}]);
+        let answer = Answer::of(&summary);
+        assert!(answer.reservations.is_empty());
+        assert!(answer.is_reserved_about([HALF_POWER]));
+        assert!(!answer.is_reserved_about([HALF_POWER, "harmonic_ratio"]));
+        summary["warnings"] = json!([]);
+        assert!(!Answer::of(&summary).is_reserved_about([HALF_POWER]));
     }
 }

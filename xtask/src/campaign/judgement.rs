@@ -155,8 +155,14 @@ impl EngineJudgement {
             }
         }
         wrong.sort_by(|(one, _), (other, _)| other.total_cmp(one));
-        let named = !answer.reservations.is_empty();
-        let class = match (wrong.is_empty(), truth.iter().all(|truth| truth.known), named) {
+        let unknown = truth.iter().filter(|truth| !truth.known);
+        let unknown: Vec<&str> = unknown.map(|truth| truth.observable.name.as_str()).collect();
+        let named = if wrong.is_empty() {
+            answer.is_reserved_about(unknown.iter().copied())
+        } else {
+            answer.is_reserved_about(wrong.iter().map(|(_, wrong)| wrong.name.as_str()))
+        };
+        let class = match (wrong.is_empty(), unknown.is_empty(), named) {
             (false, _, true) => Class::NamedWrong,
             (false, _, false) => Class::SilentlyWrong,
             (true, true, _) => Class::Right,
@@ -351,6 +357,7 @@ mod tests {
             ],
             stated: BTreeMap::new(),
             reservations: reservations.iter().map(|&text| text.to_owned()).collect(),
+            is_undecayed: false,
             step_s: 1e-5,
             modes_per_body: 3,
             residual: 1e-6,

@@ -63,6 +63,7 @@ mod tests {
             ],
             stated: names.map(str::to_owned).into_iter().zip(stated).collect(),
             reservations: Vec::new(),
+            is_undecayed: false,
             step_s: 1e-5,
             modes_per_body: 3,
             residual: 1e-6,

@@ -20,9 +20,10 @@ class AccuracyWarning(AsperityWarning):
 
     The accuracy asked for was not reached (``accuracy_not_reached``), the energy balance does not close
     (``energy_balance``), the response depends on rounding (``sensitive``), a maximum is hardly told from a ripple
-    (``marginal_peak``) or the largest response is where the force is too weak (``hidden_resonance``), or time
-    integration gives another steady response (``integration_differs``, ``another_motion``, ``not_kept``). The names
-    are the kinds in ``summary["warnings"]``.
+    (``marginal_peak``), the largest response is where the force is too weak (``hidden_resonance``), the record ends
+    before the response has decayed and widens the peak (``not_decayed``), or time integration gives another steady
+    response (``integration_differs``, ``another_motion``, ``not_kept``). The names are the kinds in
+    ``summary["warnings"]``.
     """
 
 

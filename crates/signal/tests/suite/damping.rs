@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use crate::oscillator::{Mode, hit};
 use asperity_signal::{
-    HalfPower, HarmonicOptions, envelope_decrement, find_harmonics, half_power,
-    half_power_crossings, half_power_of, logarithmic_decrement,
+    FrequencyResponse, HalfPower, HarmonicOptions, ReceptanceFeatures, envelope_decrement,
+    find_harmonics, half_power, half_power_crossings, half_power_of, logarithmic_decrement,
 };
 
 fn mode(damping: f64) -> Mode {
@@ -207,4 +207,63 @@ fn a_frequency_that_changes_leaves_the_decrement_of_an_envelope() {
                 .unwrap();
         assert!((found / damping - 1.0).abs() < 0.01, "{about}: {found}");
     }
+}
+
+/// A mode whose record ends early, against the transform `(1 - exp(-s T)) / s` of a decay that is cut off: the half-power
+/// ratio is as much too large as the part that is left tells, and the decrement is not.
+#[test]
+fn what_is_left_of_a_decay_tells_how_much_its_peak_is_widened() {
+    let (rate, damping) = (50_000.0, 0.002);
+    let omega = TAU * mode(damping).natural_hz;
+    for (end, widened) in [(1e-4, 0.0), (0.014_122, 0.0369), (0.028_197, 0.0972), (0.1353, 0.5647)]
+    {
+        let exponent = -f64::ln(end);
+        let duration = exponent / (damping * omega);
+        let count = (duration * rate) as usize;
+        let at = |n: usize| {
+            let t = n as f64 / rate;
+            (-damping * omega * t).exp() * (omega * t).sin()
+        };
+        let displacement: Vec<f64> = (0..count).map(at).collect();
+        let mut force = vec![0.0; count];
+        force[0] = rate;
+        let response = FrequencyResponse::from_displacement(&force, &displacement, rate).unwrap();
+        let found = ReceptanceFeatures::of(&response, 800.0, &HarmonicOptions::default());
+        assert_eq!(found.left, None);
+        let found = found.with_decay(&displacement, 0.0..(count - 1) as f64, rate);
+        // Root mean square of the last twentieth, whose exponents are those of the end and up to a twentieth more.
+        let left = end * ((f64::exp(0.1 * exponent) - 1.0) / (0.2 * exponent)).sqrt();
+        let told = found.left.unwrap() / left;
+        assert!((told - 1.0).abs() < 0.02, "{end}: {told}");
+        let ratio = found.damping_ratio().unwrap() / damping - 1.0;
+        // At its phase the end adds a share of a period, 1/(w T), too.
+        assert!((ratio - widened).abs() < 0.01, "{end}: {ratio}");
+        let decrement = found.damping_ratio_decrement.unwrap() / damping - 1.0;
+        assert!(decrement.abs() < 1e-3, "{end}: {decrement}");
+    }
+    let short = ReceptanceFeatures::default().with_decay(&[1.0; 9], 0.0..8.0, rate);
+    assert_eq!(short.left, None);
+}
+
+/// A motion that is struck again, one that grows, and beats that hardly decay have no decrement; beats that decay, and a motion
+/// that lasts, have one.
+#[test]
+fn an_envelope_that_does_not_decay_has_no_decrement() {
+    let (rate, frequency) = (1e4, 100.0);
+    let of = |motion: &dyn Fn(f64) -> f64| {
+        let samples: Vec<f64> = (0..4000).map(|n| motion(f64::from(n) / rate)).collect();
+        envelope_decrement(&samples, 0.0..3999.0, rate, frequency)
+    };
+    let mode = |decay: f64, f: f64, t: f64| (-decay * t).exp() * (TAU * f * t).sin();
+    let struck = |t: f64| {
+        mode(20.0, frequency, t)
+            + if t > 0.2 { 300.0 * mode(20.0, frequency, t - 0.2) } else { 0.0 }
+    };
+    assert_eq!(of(&struck), None);
+    assert_eq!(of(&|t| mode(-10.0, frequency, t)), None);
+    let beats = |decay: f64| move |t: f64| mode(decay, frequency, t) + 0.9 * mode(decay, 112.0, t);
+    assert_eq!(of(&beats(0.5)), None);
+    let ratio = of(&beats(12.0)).unwrap() * TAU * frequency / 12.0;
+    assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+    assert!(of(&|t| mode(0.0, frequency, t)).unwrap().abs() < 1e-9);
 }

@@ -1,4 +1,4 @@
-//! Maxima that are no peaks, or hardly are: the force is too weak, or ripples of the record's end are about as high.
+//! What a weak force and the end of a record do to peaks: maxima that are none, or hardly are, and peaks that are widened.
 
 use asperity_scenario::Document;
 use asperity_simulation::run::simulate;
@@ -66,5 +66,32 @@ fn a_resonance_that_a_weak_force_hides_is_named() {
             };
             assert!(is_right, "{case} {method}: {named:?}, {hidden:?}");
         }
+    }
+}
+
+/// A record that ends while a twentieth of the decay is left: both engines say so, and that it widens the peak; of the whole decay
+/// neither does.
+#[test]
+fn a_record_that_ends_early_is_a_warning() {
+    for method in ["modal", "finite_difference"] {
+        let run = |duration: f64| {
+            let mut document = Document::read("examples/block.json").unwrap();
+            document.set("/method", method).unwrap();
+            document.set("/duration_s", &duration.to_string()).unwrap();
+            let summary = simulate(&document, &document.scenario().unwrap()).unwrap().summary;
+            let left = summary.warnings.iter().find_map(|warning| match warning {
+                Warning::NotDecayed { left } => Some(*left),
+                _ => None,
+            });
+            let first = summary.fundamental.unwrap();
+            (first.damping_ratio.unwrap() / first.damping_ratio_decrement.unwrap(), left)
+        };
+        let (over, left) = run(0.05);
+        assert!(over < 1.05 && left.is_none(), "{method}: {over} {left:?}");
+        let (over, left) = run(0.015);
+        assert!(
+            over > 1.1 && left.is_some_and(|left| (0.05..0.2).contains(&left)),
+            "{method}: {over} {left:?}"
+        );
     }
 }
