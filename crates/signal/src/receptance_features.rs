@@ -86,7 +86,7 @@ impl ReceptanceFeatures {
     }
 }
 
-/// What is left of a decay of `per_cycle` samples a cycle, see [`ReceptanceFeatures::left`].
+/// Part of a decay of `per_cycle` samples a cycle that is left at its end, see [`ReceptanceFeatures::left`].
 fn left_of(decay: &[f64], per_cycle: f64) -> Option<f64> {
     let count = (decay.len() / 20).max(per_cycle.ceil() as usize);
     let tail = decay.get(decay.len().checked_sub(count)?..).filter(|tail| !tail.is_empty())?;

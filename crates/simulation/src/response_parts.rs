@@ -24,7 +24,7 @@ pub(crate) struct ResponseParts<'a> {
     pub(crate) marginal_hz: Vec<f64>,
     /// Frequency of the largest response where the force is too weak, if the fundamental is another \[Hz\].
     pub(crate) hidden_hz: Option<f64>,
-    /// What is left of the decay where it ends, if that is more than [`MOST_LEFT`].
+    /// Part of the decay that is left where it ends, if that is more than [`MOST_LEFT`].
     pub(crate) left: Option<f64>,
     pub(crate) contacts: Vec<ContactMeasures>,
     /// Time without contact at each interface \[s\]; empty where it is not counted.

@@ -8,7 +8,7 @@
 //! | a steady response to a large force | integration by finite differences, extrapolated in the step; by small modal steps where that would take long |
 //!
 //! Where harmonic balance and finite differences differ, a modal integration with a small step
-//! decides between them; without an agreement there is no truth.
+//! decides between them, or one that begins in the state of the response; without an agreement there is no truth.
 
 use std::f64::consts::TAU;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -316,8 +316,8 @@ fn may_be_shifted(level: &SteadyLevel, branch: &Branch, check: &TimeCheck) -> bo
 }
 
 /// The largest stable response of a branch that loses contact against time integration from its own state; of one that
-/// keeps it, the highest response against a modal integration from rest, which may settle on another response where
-/// several exist. A branch without a stable response says so.
+/// keeps it, the highest response against a modal integration from rest. Where several exist that may settle on another, and
+/// an integration from its own state decides. A branch without a stable response says so.
 fn by_modes(
     of: &'static str,
     assembly: &Assembly,
@@ -347,17 +347,29 @@ fn by_modes(
     };
     let (frequency, amplitude) = (peak.frequency_hz(), peak.at_sensor(0, 1).norm());
     let remark = format!("at {frequency:.3} Hz {amplitude:.4e} m");
-    match modal_amplitude(assembly, level.force_n, frequency) {
-        Some(integrated) if (amplitude / integrated - 1.0).abs() <= AMPLITUDE => {
-            let error = (amplitude / integrated - 1.0).abs();
-            SteadyJudgement::new(of, error, AMPLITUDE, format!("{remark}; {state}"))
-        }
-        Some(integrated) => {
-            let remark = format!("{remark}, by modes {integrated:.4e} m");
-            without(Class::SilentlyUndecided, remark)
-        }
-        None => without(Class::SilentlyUndecided, format!("{remark}, not integrated")),
+    let agrees = |integrated: f64| (amplitude / integrated - 1.0).abs() <= AMPLITUDE;
+    let from_rest = modal_amplitude(assembly, level.force_n, frequency);
+    if let Some(integrated) = from_rest.filter(|integrated| agrees(*integrated)) {
+        let error = (amplitude / integrated - 1.0).abs();
+        return SteadyJudgement::new(of, error, AMPLITUDE, format!("{remark}; {state}"));
     }
+    // The state of bodies without inertia is not known.
+    let whole = level.condensed.is_none();
+    let own = whole.then(|| TimeCheck::from_own_state(assembly, peak)).flatten();
+    let words = from_rest.map_or("not settled".to_owned(), |modal| format!("{modal:.4e} m"));
+    let remark = format!("{remark}, from rest {words}");
+    let Some(own) = own else { return without(Class::SilentlyUndecided, remark) };
+    let remark =
+        format!("{remark}, from its own state {:.4e} m, {:?}", own.integrated_1_m, own.motion);
+    if own.settled && agrees(own.integrated_1_m) {
+        let error = own.relative_difference;
+        return SteadyJudgement::new(of, error, AMPLITUDE, format!("{remark}; {state}"));
+    }
+    // Left for the one that is reached from rest too, the response does not exist.
+    let is_left = |rest: f64| own.settled && (own.integrated_1_m / rest - 1.0).abs() <= AMPLITUDE;
+    let is_wrong = from_rest.is_some_and(is_left);
+    let class = if is_wrong { Class::SilentlyWrong } else { Class::SilentlyUndecided };
+    without(class, remark)
 }
 
 /// Node updates of an integration to the steady response in cells of 1 mm.

@@ -23,7 +23,9 @@ impl TimeCheck {
     ///
     /// Time integration takes the modes that a hit excites. It starts in the motion of the response, so that it
     /// stays on this one of several, and goes on until the fundamental no longer changes, or scatters for good.
-    pub(super) fn from_own_state(assembly: &Assembly, response: &PeriodicResponse) -> Option<Self> {
+    ///
+    /// - `response`: of a branch of the whole structure, not of one whose light bodies were [condensed](super::Condensation).
+    pub fn from_own_state(assembly: &Assembly, response: &PeriodicResponse) -> Option<Self> {
         let motion = periodic_motion(assembly, response);
         let (force, frequency_hz) = (response.force, response.frequency_hz());
         let from_state = |share: &f64| {

@@ -1,4 +1,4 @@
-//! What a weak force and the end of a record do to peaks: maxima that are none, or hardly are, and peaks that are widened.
+//! Peaks under a weak force and of a record that ends early: maxima that are none, or hardly are, and peaks that are widened.
 
 use asperity_scenario::Document;
 use asperity_simulation::run::simulate;
