@@ -216,7 +216,7 @@ def test_threads_that_call_at_once_get_the_same_numbers() -> None:
 
 
 def test_a_law_stands_wherever_a_scenario_has_one() -> None:
-    scenario = asperity.Scenario(RIG).with_({"/method": "modal", "/duration_s": 0.02})
+    scenario = asperity.Scenario(RIG).with_({"/method": "modal", "/duration_s": 0.12})
     law = asperity.laws(scenario)["pl"]
     expected = asperity.simulate(scenario.with_({"/interfaces/0/law": "pl", "/interfaces/1/law": "pl"}))
     for changes in (

@@ -38,7 +38,7 @@ def document(folder: Path) -> dict[str, Any]:
         "damping": {"kind": "mass_proportional", "rate_per_s": 60},
         "excitation": {"kind": "haversine", "peak_n": 5, "duration_s": 1e-3, "at": at(1, -1)},
         "sensors": [{"name": "top", "at": at(1, -1), "kind": "displacement"}],
-        "duration_s": 0.05,
+        "duration_s": 0.15,
     }
 
 

@@ -85,7 +85,8 @@ pub enum Warning {
         /// Frequency \[Hz\].
         frequency_hz: f64,
     },
-    /// The record ends before the response has decayed to [`MOST_LEFT`]: a half-power damping ratio is that of its end.
+    /// The record ends before the response has decayed to [`MOST_LEFT`]: a half-power damping ratio is too large, and a small
+    /// maximum may be a ripple of its end.
     NotDecayed {
         /// Standard deviation of the last cycle or twentieth of the decay over its largest value.
         left: f64,
@@ -210,8 +211,9 @@ impl fmt::Display for Warning {
             ),
             Self::NotDecayed { left } => write!(
                 f,
-                "the record ends while {:.1} % of the decay is left, which widens peaks: a half-power damping ratio is too large, \
-                 that by the decrement is not, and a longer `duration_s` mends it",
+                "the record ends while {:.1} % of the decay is left: peaks are widened, so that a half-power damping ratio is too \
+                 large, and a small maximum may be a ripple of its end; the ratio by the decrement is right, and a longer \
+                 `duration_s` mends it",
                 100.0 * left
             ),
         }
