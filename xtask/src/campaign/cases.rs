@@ -95,7 +95,7 @@ fn readme(found: &BTreeMap<String, (String, Vec<TrueValue>)>) -> String {
         let row = |truth: &TrueValue| {
             let value = match (truth.known, truth.observable.value) {
                 (false, _) => "no truth".to_owned(),
-                (true, None) => "no peak".to_owned(),
+                (true, None) => "none".to_owned(),
                 (true, Some(value)) => format!("{value:.6e}"),
             };
             let uncertainty = if truth.known { truth.uncertainty } else { f64::NAN };
