@@ -35,9 +35,9 @@ const FARTHEST: f64 = 0.5;
 /// - `frequency_hz`: of the oscillation, at most an eighth of the rate.
 ///
 /// `None` for a decay of fewer than three cycles, an envelope that grows or scatters about the line by more than the line falls
-/// (standard deviations, above 5 %), as where a body that was thrown up hits again and again, and samples or arguments that are not finite. Limiting case: a decay of one
-/// viscously damped mode has its ratio, and zero without damping. With another oscillation within half of `frequency_hz` the
-/// envelope beats, and the ratio is a mean.
+/// (standard deviations, above 5 %), as where a body that was thrown up hits again and again, and samples or arguments that are
+/// not finite. Limiting case: a decay of one viscously damped mode has its ratio, and zero without damping. With another
+/// oscillation within half of `frequency_hz` the envelope beats, and the ratio is a mean.
 ///
 /// ```
 /// use asperity_signal::envelope_decrement;

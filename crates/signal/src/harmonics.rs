@@ -40,11 +40,11 @@ pub struct HarmonicOptions {
     /// of `1 / T` on, they are taken to be larger, `max(f, f0) f / |f0^2 - f^2|` times.
     /// The default 4 just exceeds their height from trough to crest where the force is as strong at both; a minimum where it
     /// is weaker counts as higher by half of what its ripples are larger.
+    /// `x_end` is the size of the slow motion in the last period; motion far above the frequency counts by its integral.
     /// A record that has decayed is not affected.
     pub leakage_margin: f64,
-    /// Time \[s\] at the end of the record that a filter takes to run out, its whole length: `x_end` is the largest
-    /// magnitude in the period before it, less the decay from period to period up to the middle of it, where the motion
-    /// ends. Zero by default.
+    /// Time \[s\] at the end of the record that a filter takes to run out, its whole length: the motion ends in
+    /// the middle of it. `x_end` is read before it, and continued to there. Zero by default.
     pub run_out_s: f64,
     /// Smallest magnitude of the force's transform at a peak, over its largest from zero to the end
     /// of the search.

@@ -8,7 +8,7 @@ mod trigger;
 
 pub use double::{DoubleHit, double_hits};
 pub use finder::{HitFinder, find_hits};
-pub use quality::{HitChannel, QualityIssue, QualityOptions, quality_issues};
+pub use quality::{HitChannel, QualityIssue, QualityOptions, UNDECAYED_RATIO, quality_issues};
 pub use trigger::{HitLength, HitOptions, Trigger, TriggerLevel};
 
 pub(crate) use quality::issues_with_force;

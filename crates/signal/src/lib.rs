@@ -129,7 +129,7 @@ pub use harmonics::{HarmonicOptions, Harmonics, SECOND_HARMONIC_WINDOW, find_har
 pub use high_pass::HighPass;
 pub use hit::{
     DoubleHit, HitChannel, HitFinder, HitLength, HitOptions, HitRecord, QualityIssue,
-    QualityOptions, Trigger, TriggerLevel, double_hits, find_hits, quality_issues,
+    QualityOptions, Trigger, TriggerLevel, UNDECAYED_RATIO, double_hits, find_hits, quality_issues,
 };
 pub use noise::{RobustLevel, band_density, quiet_density, robust_level, white_density};
 pub use num_complex::Complex64;

@@ -21,11 +21,11 @@ pub struct ReceptanceFeatures {
     /// Damping ratio by the logarithmic decrement of the decay's envelope; none without a long enough decay.
     pub damping_ratio_decrement: Option<f64>,
     /// Standard deviation of the last cycle of the decay, or of its last twentieth if that is longer, over the largest distance
-    /// of the decay from its mean there: how much of it is left where it ends. None without a decay of a cycle.
+    /// of the decay from its mean there: the part that remains where it ends. None without a decay of a cycle.
     ///
-    /// The end of a record widens a peak: of a mode of which 0.01 is left the half-power damping ratio is 4 % too large, of 0.02
+    /// The end of a record widens a peak: of a mode of which 0.01 remains the half-power damping ratio is 4 % too large, of 0.02
     /// 10 %, of 0.1 60 %.
-    pub left: Option<f64>,
+    pub remaining: Option<f64>,
 }
 
 impl ReceptanceFeatures {
@@ -60,24 +60,24 @@ impl ReceptanceFeatures {
         Self { harmonics, half_power, ..Self::default() }
     }
 
-    /// These features with the decrement of a `decay`, and what is [left](Self::left) of it, at `sample_rate_hz`, whose motion is free and known in a
-    /// `range`, in samples; see [`envelope_decrement`].
+    /// These features with the decrement of a `decay` at `sample_rate_hz`, and the part of it that [remains](Self::remaining).
+    /// Its motion is free and known in a `range`, in samples; see [`envelope_decrement`].
     ///
     /// The last cycle is left out, so that the ratio does not depend on whether a filter has run out at the end.
     #[must_use]
     pub fn with_decay(self, decay: &[f64], range: Range<f64>, sample_rate_hz: f64) -> Self {
         let fundamental = self.harmonics.fundamental;
-        let left = fundamental.and_then(|peak| {
+        let remaining = fundamental.and_then(|peak| {
             // The casts saturate.
             let known = range.start.ceil() as usize..decay.len().min(range.end as usize + 1);
-            left_of(decay.get(known)?, sample_rate_hz / peak.frequency_hz)
+            remaining_of(decay.get(known)?, sample_rate_hz / peak.frequency_hz)
         });
         let damping_ratio_decrement = fundamental.and_then(|peak| {
             let frequency_hz = peak.frequency_hz;
             let range = range.start..range.end - sample_rate_hz / frequency_hz;
             envelope_decrement(decay, range, sample_rate_hz, frequency_hz)
         });
-        Self { damping_ratio_decrement, left, ..self }
+        Self { damping_ratio_decrement, remaining, ..self }
     }
 
     /// Damping ratio of the fundamental from its half-power width, [`HalfPower::ratio`].
@@ -86,13 +86,13 @@ impl ReceptanceFeatures {
     }
 }
 
-/// Part of a decay of `per_cycle` samples a cycle that is left at its end, see [`ReceptanceFeatures::left`].
-fn left_of(decay: &[f64], per_cycle: f64) -> Option<f64> {
+/// Part of a decay of `per_cycle` samples a cycle that remains at its end, see [`ReceptanceFeatures::remaining`].
+fn remaining_of(decay: &[f64], per_cycle: f64) -> Option<f64> {
     let count = (decay.len() / 20).max(per_cycle.ceil() as usize);
     let tail = decay.get(decay.len().checked_sub(count)?..).filter(|tail| !tail.is_empty())?;
     let mean = tail.iter().sum::<f64>() / count as f64;
     let variance = tail.iter().map(|sample| (sample - mean).powi(2)).sum::<f64>() / count as f64;
     let largest = decay.iter().map(|sample| (sample - mean).abs()).fold(0.0, f64::max);
-    let left = variance.sqrt() / largest;
-    left.is_finite().then_some(left)
+    let remaining = variance.sqrt() / largest;
+    remaining.is_finite().then_some(remaining)
 }

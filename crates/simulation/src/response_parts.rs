@@ -3,11 +3,11 @@
 use asperity_dynamics::{ContactExtremes, ContactMeasures, EnergyLedger};
 use std::borrow::Cow;
 
-use asperity_signal::{FrequencyResponse, ReceptanceFeatures, SignalError};
+use asperity_signal::{FrequencyResponse, ReceptanceFeatures, SignalError, UNDECAYED_RATIO};
 use asperity_structure::PreloadedContact;
 
 use crate::static_state::StaticSummary;
-use crate::warning::{MOST_LEFT, MOST_RESIDUAL, Warning};
+use crate::warning::{MOST_RESIDUAL, Warning};
 
 /// Force over its peak up to which the decay of a response counts as free.
 const FREE: f64 = 1e-3;
@@ -24,8 +24,8 @@ pub(crate) struct ResponseParts<'a> {
     pub(crate) marginal_hz: Vec<f64>,
     /// Frequency of the largest response where the force is too weak, if the fundamental is another \[Hz\].
     pub(crate) hidden_hz: Option<f64>,
-    /// Part of the decay that is left where it ends, if that is more than [`MOST_LEFT`].
-    pub(crate) left: Option<f64>,
+    /// Part of the decay that remains where it ends, if that is more than [`UNDECAYED_RATIO`].
+    pub(crate) remaining: Option<f64>,
     pub(crate) contacts: Vec<ContactMeasures>,
     /// Time without contact at each interface \[s\]; empty where it is not counted.
     pub(crate) contact_lost: Vec<f64>,
@@ -62,7 +62,7 @@ impl<'a> ResponseParts<'a> {
             masked_hz: features.harmonics.masked_hz.clone(),
             marginal_hz: features.harmonics.marginal_hz.clone(),
             hidden_hz: features.harmonics.hidden_hz,
-            left: features.left.filter(|left| *left > MOST_LEFT),
+            remaining: features.remaining.filter(|remaining| *remaining > UNDECAYED_RATIO),
             contacts: interfaces.iter().zip(records).map(measures).collect(),
             contact_lost: records.iter().map(|record| record.lost).collect(),
             energy: Some(energy),
@@ -84,8 +84,8 @@ impl<'a> ResponseParts<'a> {
         let peak = |&frequency_hz: &f64| Warning::MarginalPeak { frequency_hz };
         let hidden = self.hidden_hz.map(|frequency_hz| Warning::HiddenResonance { frequency_hz });
         let peaks = hidden.into_iter().chain(self.marginal_hz.iter().map(peak));
-        let left = self.left.map(|left| Warning::NotDecayed { left });
-        outside.chain(balance).chain(peaks).chain(left).collect()
+        let undecayed = self.remaining.map(|remaining| Warning::NotDecayed { remaining });
+        outside.chain(balance).chain(peaks).chain(undecayed).collect()
     }
 }
 

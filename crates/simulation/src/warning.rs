@@ -85,20 +85,16 @@ pub enum Warning {
         /// Frequency \[Hz\].
         frequency_hz: f64,
     },
-    /// The record ends before the response has decayed to [`MOST_LEFT`]: a half-power damping ratio is too large, and a small
+    /// The record ends before the response has decayed to [`UNDECAYED_RATIO`](asperity_signal::UNDECAYED_RATIO): a half-power damping ratio is too large, and a small
     /// maximum may be a ripple of its end.
     NotDecayed {
         /// Standard deviation of the last cycle or twentieth of the decay over its largest value.
-        left: f64,
+        remaining: f64,
     },
 }
 
 /// Remainder of the energy balance, over the input, up to which there is no warning.
 pub const MOST_RESIDUAL: f64 = 1e-2;
-
-/// Part of the decay that is left where the record ends up to which there is no warning, that of measured hits. The half-power
-/// damping ratio is 4 % too large there.
-pub const MOST_LEFT: f64 = 0.01;
 
 impl Warning {
     /// The warning about pressures of `lowest` to `highest` \[Pa\] at `interface`, if its law was
@@ -209,12 +205,11 @@ impl fmt::Display for Warning {
                  hardly strong enough; f1, A1 or A2/A1 depend on it, and a longer `duration_s`, or a pulse of another \
                  length, decides"
             ),
-            Self::NotDecayed { left } => write!(
+            Self::NotDecayed { remaining } => write!(
                 f,
-                "the record ends while {:.1} % of the decay is left: peaks are widened, so that a half-power damping ratio is too \
-                 large, and a small maximum may be a ripple of its end; the ratio by the decrement is right, and a longer \
-                 `duration_s` mends it",
-                100.0 * left
+                "the record ends while {:.1} % of the decay remains, which widens peaks: a half-power damping ratio is too large, \
+                 that by the decrement is not, and a small maximum may be a ripple of the end; a longer `duration_s` mends it",
+                100.0 * remaining
             ),
         }
     }

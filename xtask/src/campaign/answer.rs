@@ -355,11 +355,12 @@ mod tests {
         summary["warnings"] = json!([]);
         assert_eq!(reservations(&summary), ["sensitive", "accuracy not reached"]);
     }
+
     /// A record that ends early is a reservation about the half-power damping ratio, and about nothing else.
     #[test]
     fn an_undecayed_record_is_a_reservation_about_its_width() {
         let mut summary = summary();
-        summary["warnings"] = json!([{"kind": "not_decayed", "left": 0.3}]);
+        summary["warnings"] = json!([{"kind": "not_decayed", "remaining": 0.3}]);
         let answer = Answer::of(&summary);
         assert!(answer.reservations.is_empty());
         assert!(answer.is_reserved_about([HALF_POWER]));

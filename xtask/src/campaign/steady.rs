@@ -347,10 +347,9 @@ fn by_modes(
     };
     let (frequency, amplitude) = (peak.frequency_hz(), peak.at_sensor(0, 1).norm());
     let remark = format!("at {frequency:.3} Hz {amplitude:.4e} m");
-    let agrees = |integrated: f64| (amplitude / integrated - 1.0).abs() <= AMPLITUDE;
     let from_rest = modal_amplitude(assembly, level.force_n, frequency);
-    if let Some(integrated) = from_rest.filter(|integrated| agrees(*integrated)) {
-        let error = (amplitude / integrated - 1.0).abs();
+    let error = from_rest.map(|integrated| (amplitude / integrated - 1.0).abs());
+    if let Some(error) = error.filter(|error| *error <= AMPLITUDE) {
         return SteadyJudgement::new(of, error, AMPLITUDE, format!("{remark}; {state}"));
     }
     // The state of bodies without inertia is not known.
@@ -361,8 +360,8 @@ fn by_modes(
     let Some(own) = own else { return without(Class::SilentlyUndecided, remark) };
     let remark =
         format!("{remark}, from its own state {:.4e} m, {:?}", own.integrated_1_m, own.motion);
-    if own.settled && agrees(own.integrated_1_m) {
-        let error = own.relative_difference;
+    let error = own.relative_difference;
+    if own.settled && error <= AMPLITUDE {
         return SteadyJudgement::new(of, error, AMPLITUDE, format!("{remark}; {state}"));
     }
     // Left for the one that is reached from rest too, the response does not exist.

@@ -147,6 +147,9 @@ impl fmt::Display for HitChannel {
     }
 }
 
+/// Part of a response that may remain where its record ends, over its largest value: of measured hits, and of simulated ones.
+pub const UNDECAYED_RATIO: f64 = 0.01;
+
 /// Limits of [`quality_issues`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct QualityOptions {
@@ -172,7 +175,7 @@ impl Default for QualityOptions {
             full_scale_n: None,
             full_scale_response: None,
             constant_samples: 8,
-            undecayed_ratio: 0.01,
+            undecayed_ratio: UNDECAYED_RATIO,
         }
     }
 }

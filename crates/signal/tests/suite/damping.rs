@@ -210,9 +210,9 @@ fn a_frequency_that_changes_leaves_the_decrement_of_an_envelope() {
 }
 
 /// A mode whose record ends early, against the transform `(1 - exp(-s T)) / s` of a decay that is cut off: the half-power
-/// ratio is as much too large as the part that is left tells, and the decrement is not.
+/// ratio is as much too large as the part that remains tells, and the decrement is not.
 #[test]
-fn what_is_left_of_a_decay_tells_how_much_its_peak_is_widened() {
+fn the_part_of_a_decay_that_remains_tells_how_much_its_peak_is_widened() {
     let (rate, damping) = (50_000.0, 0.002);
     let omega = TAU * mode(damping).natural_hz;
     for (end, widened) in [(1e-4, 0.0), (0.014_122, 0.0369), (0.028_197, 0.0972), (0.1353, 0.5647)]
@@ -229,11 +229,11 @@ fn what_is_left_of_a_decay_tells_how_much_its_peak_is_widened() {
         force[0] = rate;
         let response = FrequencyResponse::from_displacement(&force, &displacement, rate).unwrap();
         let found = ReceptanceFeatures::of(&response, 800.0, &HarmonicOptions::default());
-        assert_eq!(found.left, None);
+        assert_eq!(found.remaining, None);
         let found = found.with_decay(&displacement, 0.0..(count - 1) as f64, rate);
         // Root mean square of the last twentieth, whose exponents are those of the end and up to a twentieth more.
-        let left = end * ((f64::exp(0.1 * exponent) - 1.0) / (0.2 * exponent)).sqrt();
-        let told = found.left.unwrap() / left;
+        let remaining = end * ((f64::exp(0.1 * exponent) - 1.0) / (0.2 * exponent)).sqrt();
+        let told = found.remaining.unwrap() / remaining;
         assert!((told - 1.0).abs() < 0.02, "{end}: {told}");
         let ratio = found.damping_ratio().unwrap() / damping - 1.0;
         // At its phase the end adds a share of a period, 1/(w T), too.
@@ -242,7 +242,7 @@ fn what_is_left_of_a_decay_tells_how_much_its_peak_is_widened() {
         assert!(decrement.abs() < 1e-3, "{end}: {decrement}");
     }
     let short = ReceptanceFeatures::default().with_decay(&[1.0; 9], 0.0..8.0, rate);
-    assert_eq!(short.left, None);
+    assert_eq!(short.remaining, None);
 }
 
 /// A motion that is struck again, one that grows, and beats that hardly decay have no decrement; beats that decay, and a motion

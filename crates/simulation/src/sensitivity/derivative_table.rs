@@ -64,7 +64,7 @@ impl DerivativeTable {
             masked_hz: Vec::new(),
             marginal_hz: Vec::new(),
             hidden_hz: None,
-            left: None,
+            remaining: None,
             contacts: contacts.clone(),
             contact_lost: Vec::new(),
             energy: None,

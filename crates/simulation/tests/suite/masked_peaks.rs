@@ -69,7 +69,7 @@ fn a_resonance_that_a_weak_force_hides_is_named() {
     }
 }
 
-/// A record that ends while a twentieth of the decay is left: both engines say so, and that it widens the peak; of the whole decay
+/// A record that ends while a twentieth of the decay remains: both engines say so, and that it widens the peak; of the whole decay
 /// neither does.
 #[test]
 fn a_record_that_ends_early_is_a_warning() {
@@ -79,19 +79,19 @@ fn a_record_that_ends_early_is_a_warning() {
             document.set("/method", method).unwrap();
             document.set("/duration_s", &duration.to_string()).unwrap();
             let summary = simulate(&document, &document.scenario().unwrap()).unwrap().summary;
-            let left = summary.warnings.iter().find_map(|warning| match warning {
-                Warning::NotDecayed { left } => Some(*left),
+            let remaining = summary.warnings.iter().find_map(|warning| match warning {
+                Warning::NotDecayed { remaining } => Some(*remaining),
                 _ => None,
             });
             let first = summary.fundamental.unwrap();
-            (first.damping_ratio.unwrap() / first.damping_ratio_decrement.unwrap(), left)
+            (first.damping_ratio.unwrap() / first.damping_ratio_decrement.unwrap(), remaining)
         };
-        let (over, left) = run(0.05);
-        assert!(over < 1.05 && left.is_none(), "{method}: {over} {left:?}");
-        let (over, left) = run(0.015);
+        let (over, remaining) = run(0.05);
+        assert!(over < 1.05 && remaining.is_none(), "{method}: {over} {remaining:?}");
+        let (over, remaining) = run(0.015);
         assert!(
-            over > 1.1 && left.is_some_and(|left| (0.05..0.2).contains(&left)),
-            "{method}: {over} {left:?}"
+            over > 1.1 && remaining.is_some_and(|remaining| (0.05..0.2).contains(&remaining)),
+            "{method}: {over} {remaining:?}"
         );
     }
 }
