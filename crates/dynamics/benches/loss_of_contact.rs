@@ -70,7 +70,8 @@ fn main() {
 
 fn run(batch: Batch, hits: &[TransientCase]) -> Vec<CaseResponse> {
     // As many taps as keep the band of the harmonics at a decimation by eight.
-    let decimation = Arc::new(Decimation { factor: 8, taps: vec![1.0 / 96.0; 96].into() });
+    let decimation =
+        Arc::new(Decimation { factor: 8, taps: vec![1.0 / 96.0; 96].into(), ending: 0 });
     let found = batch.run(hits, &|_, _| Arc::clone(&decimation));
     black_box(found.into_iter().map(Result::unwrap).collect())
 }

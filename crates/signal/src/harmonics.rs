@@ -2,7 +2,7 @@
 
 use crate::peak::{Peak, PowerGrid, refine};
 use crate::response::FrequencyResponse;
-use crate::spectra::{COVERED, HitSpectra, RecordEnd};
+use crate::spectra::{COVERED, HitSpectra, Ripples};
 
 /// Window of the second harmonic over the fundamental, of simulated and of measured hits.
 ///
@@ -43,9 +43,6 @@ pub struct HarmonicOptions {
     /// `x_end` is the size of the slow motion in the last period; motion far above the frequency counts by its integral.
     /// A record that has decayed is not affected.
     pub leakage_margin: f64,
-    /// Time \[s\] at the end of the record that a filter takes to run out, its whole length: the motion ends in
-    /// the middle of it. `x_end` is read before it, and continued to there. Zero by default.
-    pub run_out_s: f64,
     /// Smallest magnitude of the force's transform at a peak, over its largest from zero to the end
     /// of the search.
     ///
@@ -62,7 +59,6 @@ impl Default for HarmonicOptions {
             padding: 4,
             minimum_prominence: 1e-3,
             leakage_margin: 4.0,
-            run_out_s: 0.0,
             force_threshold: 0.02,
         }
     }
@@ -78,9 +74,8 @@ pub struct Harmonics {
     /// Frequencies (Hz) of maxima in either window where the force is too weak.
     pub masked_hz: Vec<f64>,
     /// Frequencies (Hz) of maxima, of those no lower than the peak in either window, that a slightly longer record or pulse may
-    /// decide otherwise about: whose height is within 10 % of the least that tells a peak from ripples, or, where a filter hides
-    /// the size of the record's end, within 20 % or between two estimates of it; where the force is within 10 % of too weak;
-    /// and maxima that are lower than the fundamental by less than 0.3 %.
+    /// decide otherwise about: whose height is within 10 % of the least that tells a peak from ripples; where the force is within
+    /// 10 % of too weak; and maxima that are lower than the fundamental by less than 0.3 %.
     pub marginal_hz: Vec<f64>,
     /// Frequency (Hz) in the window of the fundamental at which the response itself is largest, if the force is too weak for a
     /// maximum there and the fundamental found is another: it need not be the resonance.
@@ -192,7 +187,8 @@ pub(crate) fn peaks_within(
     let search = HarmonicSearch::new(response, band, options);
     let maxima = search.grid.maxima(band);
     let peak = |index| {
-        search.peak(index, band, 1.0 / search.grid.frequency(index), &mut Harmonics::default())
+        let ripples = response.ripples(1.0 / search.grid.frequency(index));
+        search.peak(index, band, &ripples, &mut Harmonics::default())
     };
     maxima.into_iter().filter_map(peak).collect()
 }
@@ -214,19 +210,11 @@ const NEAR: f64 = 0.25;
 /// Relative distance of a height, and of the force, from the least one up to which a maximum is marginal.
 const MARGINAL: f64 = 0.1;
 
-/// The same of a height where a filter hides the record's end: what it keeps does not tell how large the ripples of fast
-/// motion are.
-const MARGINAL_BEHIND_FILTER: f64 = 0.2;
-
 /// Magnitude of a maximum over that on the grid at most, unless it is narrower than a step of it.
 const BETWEEN: f64 = 1.1;
 
 /// Relative difference of two maxima up to which either may be the largest, three times the usual accuracy of a response.
 const EQUAL: f64 = 3e-3;
-
-/// Ratio of a height and the least one up to which the size of the record's end is predicted, where a filter hides it:
-/// the period before may be larger or smaller by as much where modes beat.
-const BEATING: f64 = 2.5;
 
 /// The search in the receptance on a grid over both windows.
 struct HarmonicSearch<'a, R> {
@@ -256,9 +244,13 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         found: &mut Harmonics,
     ) -> (Option<Peak>, Vec<f64>) {
         let mut maxima = self.grid.maxima(window);
+        if maxima.is_empty() {
+            return (None, Vec::new());
+        }
+        let ripples = self.response.ripples(period);
         maxima.sort_by(|&a, &b| self.grid.heights[b].total_cmp(&self.grid.heights[a]));
         let mut maxima = maxima.into_iter();
-        let first = maxima.find_map(|index| self.peak(index, window, period, found));
+        let first = maxima.find_map(|index| self.peak(index, window, &ripples, found));
         let Some(mut largest) = first else { return (None, Vec::new()) };
         let mut near_it = Vec::new();
         // The order on the grid need not be that of the maxima between its points.
@@ -275,7 +267,7 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
             }
             // Of two equal maxima the lower one may be no more than a ripple beside the other.
             let mut with_other = found.clone();
-            let other = self.peak(index, window, period, &mut with_other);
+            let other = self.peak(index, window, &ripples, &mut with_other);
             let other = other.filter(|other| other.magnitude > largest.magnitude);
             near_it.push((other_hz, magnitude));
             if let Some(other) = other {
@@ -307,7 +299,7 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         &self,
         index: usize,
         (low, high): (f64, f64),
-        period: f64,
+        ripples: &Ripples,
         Harmonics { masked_hz, marginal_hz, .. }: &mut Harmonics,
     ) -> Option<Peak> {
         let on_grid = self.grid.heights[index].sqrt();
@@ -337,44 +329,27 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         let is_beside = |other: &f64| (frequency_hz - other).abs() >= self.lobe_hz;
         let oscillation = self.oscillation_hz.filter(is_beside);
         let beside = oscillation.map_or(1.0, |other| leakage_beside(other, frequency_hz).max(1.0));
-        let leak_with = |is_predicted: bool| {
-            let end = RecordEnd { period, run_out: self.options.run_out_s, is_predicted };
-            let ripple = self.response.ripple(frequency_hz, end);
-            let leak = self.options.leakage_margin * ripple.leakage * beside;
-            (leak, (self.options.minimum_prominence * magnitude).max(leak).max(ripple.rounding))
-        };
+        let ripple = ripples.at(frequency_hz, force);
+        let leak = self.options.leakage_margin * ripple.leakage * beside;
+        let least = (self.options.minimum_prominence * magnitude).max(leak).max(ripple.rounding);
         // Half of the least height is for the ripple at the maximum, and half for that at a minimum, which is
         // larger where the force is weaker: beside a zero of it a deep minimum tells nothing.
         let order = 1 + self.response.kind().derivatives();
-        let further = |leak: f64| {
-            move |other_hz: f64, other_force: f64| {
-                let ratio = (frequency_hz / other_hz).powi(order) * force / other_force;
-                if leak > 0.0 { 0.5 * leak * (ratio - 1.0) } else { 0.0 }
-            }
+        let further = |other_hz: f64, other_force: f64| {
+            let ratio = (frequency_hz / other_hz).powi(order) * force / other_force;
+            if leak > 0.0 { 0.5 * leak * (ratio - 1.0) } else { 0.0 }
         };
-        let (mut leak, quick) = leak_with(false);
-        let quick_height = magnitude - self.grid.saddle_above(index, &further(leak));
-        let (mut height, mut least) = (quick_height, quick);
+        let mut height = magnitude - self.grid.saddle_above(index, &further);
         // Beside a zero of the force minima lie deep between the points of the grid, and the height may be any up to this.
         let most = if beside > 1.0 { magnitude } else { height };
-        let is_filtered = self.options.run_out_s > 0.0;
-        // Where it decides, the motion is predicted to the record's end.
-        let may_beat = height < least * BEATING && most >= least / BEATING;
-        if is_filtered && may_beat {
-            (leak, least) = leak_with(true);
-            height = magnitude - self.grid.saddle_above(index, &further(leak));
-        }
         // No minimum is higher than its point of the grid. Where they decide, they are found exactly.
-        let sure = magnitude - self.grid.saddle_above_points(index, &further(leak));
+        let sure = magnitude - self.grid.saddle_above_points(index, &further);
         let near = NEAR * least;
         if (sure.min(height - near)..most + near).contains(&least) {
-            height = magnitude - self.grid.exact_saddle_above(self.response, index, &further(leak));
+            height = magnitude - self.grid.exact_saddle_above(self.response, index, &further);
         }
         let is_by_ripples = least > self.options.minimum_prominence * magnitude;
-        let margin = if is_filtered { MARGINAL_BEHIND_FILTER } else { MARGINAL };
-        let is_near = (height - least).abs() < margin * least;
-        let is_hardly_higher =
-            is_by_ripples && (is_near || (quick_height >= quick) != (height >= least));
+        let is_hardly_higher = is_by_ripples && (height - least).abs() < MARGINAL * least;
         let is_high = height >= least;
         if is_hardly_higher || (is_near_floor && is_high) {
             marginal_hz.push(frequency_hz);

@@ -82,7 +82,6 @@ mod harmonics;
 mod high_pass;
 mod hit;
 mod interpolation;
-mod linear_prediction;
 mod noise;
 mod offset;
 mod peak;
@@ -145,6 +144,7 @@ pub use ring_down::{
 };
 pub use sampled_peak::SampledPeak;
 pub use shared_force::SharedForce;
+pub use spectra::UnfilteredEnd;
 pub use spectrum::Spectrum;
 pub use transform::{transform_at, transform_pair_at};
 pub use uncertainty::{

@@ -5,7 +5,9 @@ use crate::error::{Result, SignalError, check_rate, check_samples};
 use crate::form::{FrfForm, ResponseKind};
 use crate::frf::{ForceMask, Frf, convert};
 use crate::interpolation::Interpolation;
-use crate::spectra::{BandSpectra, HitSpectra, HitTransforms, RecordEnd, Ripple, SignalTransform};
+use crate::spectra::{
+    BandSpectra, HitSpectra, HitTransforms, Ripples, SignalTransform, UnfilteredEnd,
+};
 use crate::spectrum::{PADDING_LIMIT, Spectrum};
 use crate::transform::FourierKernel;
 use crate::window::ResponseWindow;
@@ -50,6 +52,8 @@ pub struct FrequencyResponse {
     /// Transforms of force and response, about the middle sample; the common phase cancels in
     /// ratios.
     interpolations: Option<[Interpolation; 2]>,
+    /// The end of the motion before a filter, and its sample rate \[Hz\].
+    unfiltered: Option<(Vec<f64>, f64)>,
 }
 
 impl FrequencyResponse {
@@ -129,6 +133,7 @@ impl FrequencyResponse {
             sample_rate_hz,
             contact: first..last + 1,
             interpolations: None,
+            unfiltered: None,
         })
     }
 
@@ -146,6 +151,12 @@ impl FrequencyResponse {
         Self { interpolations: Some(interpolations), ..self }
     }
 
+    /// The response of samples that a filter has taken in, with the end of their motion before it.
+    #[must_use]
+    pub fn with_unfiltered_end(self, end: UnfilteredEnd<'_>) -> Self {
+        Self { unfiltered: Some((end.samples.to_vec(), end.sample_rate_hz)), ..self }
+    }
+
     /// The response under a window, without interpolated transforms, and without the samples after the
     /// window, which are zero, and after the force.
     pub(crate) fn with_response_window(&self, window: &ResponseWindow) -> Self {
@@ -161,6 +172,7 @@ impl FrequencyResponse {
             sample_rate_hz: rate,
             contact: self.contact.clone(),
             interpolations: None,
+            unfiltered: None,
         }
     }
 
@@ -346,8 +358,9 @@ impl HitSpectra for FrequencyResponse {
         (ratio.norm_sqr(), 2.0 * (slope - derivatives))
     }
 
-    fn ripple(&self, frequency_hz: f64, end: RecordEnd) -> Ripple {
-        let sampling = (self.sample_rate_hz, self.kind);
-        Ripple::of(&self.samples, sampling, self.force_magnitude(frequency_hz), (frequency_hz, end))
+    fn ripples(&self, period: f64) -> Ripples {
+        let end = self.unfiltered.as_ref();
+        let end = end.map(|(samples, rate)| UnfilteredEnd { samples, sample_rate_hz: *rate });
+        Ripples::of(&self.samples, (self.sample_rate_hz, self.kind), end, period)
     }
 }

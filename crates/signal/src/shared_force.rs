@@ -10,7 +10,7 @@ use crate::damping::half_power_of;
 use crate::form::ResponseKind;
 use crate::harmonics::{HarmonicOptions, harmonics_of};
 use crate::receptance_features::ReceptanceFeatures;
-use crate::spectra::{BandSpectra, HitSpectra, RecordEnd, Ripple};
+use crate::spectra::{BandSpectra, HitSpectra, Ripples, UnfilteredEnd};
 use crate::transform::transform_at;
 
 /// Zero padding of the grid of transforms.
@@ -47,7 +47,7 @@ const ACCEPTED: f64 = 1e-6;
 ///         .map(|t| factor * 1e-6 * (-zeta * omega * t).exp() * (omega * t).sin())
 ///         .collect();
 ///     let features = shared
-///         .analyse(&displacement, factor, 800.0, &HarmonicOptions::default())
+///         .analyse((&displacement, None), factor, 800.0, &HarmonicOptions::default())
 ///         .ok_or("a record that has decayed")?;
 ///     let ratio = features.damping_ratio().ok_or("a peak with a width")?;
 ///     assert!((ratio - zeta).abs() < 1e-3);
@@ -86,11 +86,11 @@ impl SharedForce {
     }
 
     /// The fundamental near `static_frequency_hz`, its second harmonic and its damping, from a
-    /// `displacement` \[m\] under `factor` times the force. `None` if the interpolation is not
-    /// accurate enough, as for a record that has not decayed; use the exact analysis then.
+    /// `displacement` \[m\] under `factor` times the force, and the end of its motion before a filter. `None` if the
+    /// interpolation is not accurate enough, as for a record that has not decayed; use the exact analysis then.
     pub fn analyse(
         &self,
-        displacement: &[f64],
+        (displacement, end): (&[f64], Option<UnfilteredEnd<'_>>),
         factor: f64,
         static_frequency_hz: f64,
         options: &HarmonicOptions,
@@ -101,7 +101,7 @@ impl SharedForce {
         // Normalised to a factor of one.
         let scale = 1.0 / (self.rate * factor);
         let response = CentredTransform::of(displacement, scale, self.length, self.keep)?;
-        let hit = SharedHit { shared: self, displacement, response, factor };
+        let hit = SharedHit { shared: self, displacement, end, response, factor };
         let harmonics = harmonics_of(&hit, static_frequency_hz, options);
         let f = harmonics.fundamental.map_or(static_frequency_hz, |first| first.frequency_hz);
         // Between two points of the grid, at which it is exact.
@@ -223,6 +223,7 @@ const NORMS: [f64; POINTS] = {
 struct SharedHit<'a> {
     shared: &'a SharedForce,
     displacement: &'a [f64],
+    end: Option<UnfilteredEnd<'a>>,
     response: CentredTransform,
     factor: f64,
 }
@@ -274,9 +275,8 @@ impl HitSpectra for SharedHit<'_> {
         ((x / f).norm_sqr(), 2.0 * (dx / x - df / f).re / self.step())
     }
 
-    fn ripple(&self, frequency_hz: f64, end: RecordEnd) -> Ripple {
-        let force = self.force_magnitude(frequency_hz) * self.factor.abs();
+    fn ripples(&self, period: f64) -> Ripples {
         let sampling = (self.shared.rate, self.kind());
-        Ripple::of(self.displacement, sampling, force, (frequency_hz, end))
+        Ripples::of(self.displacement, sampling, self.end, period).over(self.factor.abs())
     }
 }

@@ -2,7 +2,6 @@
 
 use crate::fit::parabola_vertex;
 use crate::form::ResponseKind;
-use crate::linear_prediction::continued;
 use crate::sums::{absolute_sum, dot, largest_magnitude};
 use num_complex::Complex64;
 use std::borrow::Cow;
@@ -22,8 +21,8 @@ pub(crate) trait HitSpectra {
     fn receptance_at(&self, frequency_hz: f64) -> Complex64;
     /// `|H|^2` and the derivative of its logarithm with respect to frequency \[1/Hz\].
     fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64);
-    /// Bounds on the ripple of `|H|` from truncation and rounding; see [`Ripple::of`].
-    fn ripple(&self, frequency_hz: f64, end: RecordEnd) -> Ripple;
+    /// The ripples of a response whose end is read in its last `period` \[s\].
+    fn ripples(&self, period: f64) -> Ripples;
 }
 
 /// Transforms of force and response at `k step`, from zero.
@@ -49,45 +48,14 @@ pub(crate) struct SignalTransform {
     pub(crate) samples: Range<usize>,
 }
 
-/// The time before a record's end in which its size is read.
+/// The last samples of a motion at a higher rate than those that are analysed, as they were before a low-pass filter took
+/// them in. The filter hides how the motion ends, on which the [ripples](crate::HarmonicOptions::leakage_margin) depend.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct RecordEnd {
-    /// Length that is searched for its largest magnitude \[s\].
-    pub(crate) period: f64,
-    /// Time after it, in which a filter runs out \[s\]; the motion ends in the middle of it.
-    pub(crate) run_out: f64,
-    /// True if the motion is [continued](continued) to where it ends; else its decay is.
-    pub(crate) is_predicted: bool,
-}
-
-impl RecordEnd {
-    /// [Size](EndMotion::size) of the motion at the end of a record; where a filter runs out after it, of the motion that is predicted
-    /// up to its end, or quickly, of the period before less the decay of two periods up to its end, over the half of that time.
-    fn size(self, samples: &[f64], rate: f64, frequency_hz: f64) -> f64 {
-        let count = |time: f64| (time * rate).ceil() as usize;
-        let period = count(self.period).max(1).min(samples.len());
-        // A record shorter than both is searched from its start.
-        let to = samples.len().saturating_sub(count(self.run_out)).max(period);
-        let omega = TAU * frequency_hz / rate;
-        let earlier =
-            |periods: usize| EndMotion::of(&samples[..to.saturating_sub(periods * period)], period);
-        let last = earlier(0);
-        if self.run_out == 0.0 {
-            return last.size(omega);
-        }
-        if self.is_predicted {
-            let rest = continued(&samples[..to], count(0.5 * self.run_out));
-            let all = [&samples[to.saturating_sub(2 * period)..to], &rest].concat();
-            // Motion that rings down stays below its last periods, a wrong prediction may not.
-            let most = [last, earlier(1), earlier(2)].map(|motion| motion.size(omega));
-            let most = most.into_iter().fold(0.0, f64::max);
-            return EndMotion::of(&all, period).size(omega).min(most);
-        }
-        // Over two periods: of one the crest may be read, and of the other the trough.
-        let decay = last.slow / earlier(2).slow;
-        let left = if decay < 1.0 { decay.powf(0.25 * self.run_out / self.period) } else { 1.0 };
-        left * last.size(omega)
-    }
+pub struct UnfilteredEnd<'a> {
+    /// The samples, up to the end of the motion; 2.5 periods of the fundamental are enough.
+    pub samples: &'a [f64],
+    /// Their rate \[Hz\].
+    pub sample_rate_hz: f64,
 }
 
 /// Ripples of a step `x_end` at 1.5 times the frequency of the oscillation it ends, over `x_end / w`.
@@ -116,7 +84,7 @@ struct EndMotion {
 }
 
 impl EndMotion {
-    /// The motion of a record that ends in a `period`, in samples. Without enough of them all of it is slow.
+    /// The motion in the last `period` of a record, in samples. Without enough of them all of it is slow.
     fn of(samples: &[f64], period: usize) -> Self {
         let all = || largest_between(&samples[samples.len().saturating_sub(period)..]);
         Self::apart(samples, period).unwrap_or_else(|| Self { slow: all(), fast_integral: 0.0 })
@@ -179,31 +147,55 @@ fn largest_between(samples: &[f64]) -> f64 {
     samples.windows(3).map(crest).fold(largest_magnitude(samples), f64::max)
 }
 
-/// Bounds on the ripple of `|H|` \[m/N\] that is not the structure's.
+/// Ripples of `|H|` that are not the structure's, from the end of a record and from rounding.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Ripples {
+    /// The motion where the record ends, per sample of this rate \[Hz\].
+    end: EndMotion,
+    rate: f64,
+    /// Rounding of the response's transform.
+    rounding: f64,
+    kind: ResponseKind,
+}
+
+/// Bounds on the ripple of `|H|` \[m/N\] at a frequency.
 pub(crate) struct Ripple {
     pub(crate) leakage: f64,
     pub(crate) rounding: f64,
 }
 
-impl Ripple {
-    /// Ripple of a record of `samples` under a force of spectral magnitude `force` at a frequency.
-    ///
-    /// `leakage` is that of the step at the end of the record, `x_end / (w |F|)` with `x_end` the
-    /// size of the motion in its `end`, between samples too; `rounding` is that of the transform, relative
-    /// to `dt sum |x|`.
+impl Ripples {
+    /// Those of `samples` at a `rate` \[Hz\]. Their motion is read in its last `period` \[s\], between samples too, and
+    /// before a filter if its `end` there is given.
     pub(crate) fn of(
         samples: &[f64],
         (rate, kind): (f64, ResponseKind),
-        force: f64,
-        (frequency_hz, end): (f64, RecordEnd),
+        end: Option<UnfilteredEnd<'_>>,
+        period: f64,
     ) -> Self {
-        let end = end.size(samples, rate, frequency_hz);
+        let end = end.unwrap_or(UnfilteredEnd { samples, sample_rate_hz: rate });
+        let count = (period * end.sample_rate_hz).ceil() as usize;
+        let motion = EndMotion::of(end.samples, count.clamp(1, end.samples.len().max(1)));
+        let rounding = 1e-14 * absolute_sum(samples) / rate;
+        Self { end: motion, rate: end.sample_rate_hz, rounding, kind }
+    }
+
+    /// Those of the response over a factor.
+    pub(crate) fn over(self, factor: f64) -> Self {
+        let EndMotion { slow, fast_integral } = self.end;
+        let end = EndMotion { slow: slow / factor, fast_integral: fast_integral / factor };
+        Self { end, rounding: self.rounding / factor, ..self }
+    }
+
+    /// The ripple at a frequency where the force has a spectral magnitude `force`.
+    ///
+    /// `leakage` is that of the step at the end of the record, `x_end / (w |F|)` with `x_end` the
+    /// [size](EndMotion::size) of the motion there; `rounding` is that of the transform, relative to `dt sum |x|`.
+    pub(crate) fn at(&self, frequency_hz: f64, force: f64) -> Ripple {
         let omega = TAU * frequency_hz;
-        let scale = 1.0 / (omega.powi(kind.derivatives()) * force);
-        Self {
-            leakage: end / omega * scale,
-            rounding: 1e-14 * absolute_sum(samples) / rate * scale,
-        }
+        let scale = 1.0 / (omega.powi(self.kind.derivatives()) * force);
+        let size = self.end.size(omega / self.rate);
+        Ripple { leakage: size / omega * scale, rounding: self.rounding * scale }
     }
 }
 
@@ -211,35 +203,36 @@ impl Ripple {
 mod tests {
     use super::*;
 
-    /// A decay of 1 % a period; its last twelfth of a second is 9 % larger, and runs out in zeros.
+    /// Size of the end of samples at a rate and a frequency, from a period \[s\].
+    fn end_size(samples: &[f64], rate: f64, period: f64, frequency_hz: f64) -> f64 {
+        let ripples = Ripples::of(samples, (rate, ResponseKind::Displacement), None, period);
+        ripples.at(frequency_hz, 1.0).leakage * TAU * frequency_hz
+    }
+
+    /// A decay of 1 % a period; its filtered samples, which run out in zeros, do not show its end.
     #[test]
-    fn the_size_of_an_end_is_read_before_a_filter_runs_out() {
-        let (rate, frequency, half) = (1000.0, 68.0, 83);
+    fn the_size_of_an_end_is_read_before_a_filter() {
+        let (rate, frequency) = (1000.0, 68.0);
         let motion = |n: i32| {
             let periods = f64::from(n) / rate * frequency;
             0.99_f64.powf(periods) * (TAU * periods).sin()
         };
-        let end = RecordEnd { period: 1.0 / frequency, run_out: 0.0, is_predicted: false };
         let plain: Vec<f64> = (0..1500).map(motion).collect();
         let exact = 0.99_f64.powf(1.5 * frequency - 1.0);
-        let size = end.size(&plain, rate, frequency) / exact;
-        assert!((size - 1.0).abs() < 0.01, "{size}");
-        let overshot = (0..1500).map(|n| if n < 1500 - half { 1.0 } else { 1.09 } * motion(n));
-        let filtered: Vec<f64> = overshot.chain((0..half).map(|_| 0.0)).collect();
-        let told = RecordEnd { run_out: f64::from(2 * half) / rate, ..end };
-        let predicted = RecordEnd { is_predicted: true, ..told };
-        // Quickly, an error of the decay of two periods, up to a half of one where crest and trough are read, counts 2.8 times.
-        for (end, tolerance) in [(told, 0.02), (predicted, 0.01)] {
-            let size = end.size(&filtered, rate, frequency) / exact;
-            assert!((size - 1.0).abs() < tolerance, "{size}");
-        }
-        assert_eq!(end.size(&filtered, rate, frequency), 0.0);
-        let growing: Vec<f64> = (0..300).map(|n| 1.1_f64.powi(n)).collect();
-        assert!(predicted.size(&growing, rate, frequency) <= growing[299]);
-        assert!(
-            told.size(&filtered[..20], rate, frequency) > 0.0
-                && told.size(&[], rate, frequency) == 0.0
-        );
+        let found = end_size(&plain, rate, 1.0 / frequency, frequency);
+        assert!((found / exact - 1.0).abs() < 0.01, "{found}");
+        let filtered: Vec<f64> = plain.iter().step_by(5).copied().chain([0.0; 16]).collect();
+        assert_eq!(end_size(&filtered, 0.2 * rate, 1.0 / frequency, frequency), 0.0);
+        let kept = [plain.as_slice(), &plain[1450..], &plain[1497..], &[]].map(|samples| {
+            let end = Some(UnfilteredEnd { samples, sample_rate_hz: rate });
+            let sampling = (0.2 * rate, ResponseKind::Displacement);
+            let ripples = Ripples::of(&filtered, sampling, end, 1.0 / frequency).over(2.0);
+            ripples.at(frequency, 1.0).leakage * TAU * frequency
+        });
+        assert_eq!(kept[0], 0.5 * found);
+        assert_eq!(kept[1], 0.5 * found);
+        // Of less than a period all that there is.
+        assert!(kept[2] > 0.0 && kept[2] < 0.6 * found && kept[3] == 0.0, "{kept:?}");
     }
 
     /// The end of an oscillation and of a faster one: its size is no less than its largest ripples ask for, wherever the
@@ -248,7 +241,6 @@ mod tests {
     #[test]
     fn a_fast_oscillation_counts_as_much_as_its_ripples() {
         let (rate, frequency) = (1e5, 100.0);
-        let end = RecordEnd { period: 1.0 / frequency, run_out: 0.0, is_predicted: false };
         let largest_ripple =
             |size: f64, f0: f64, f: f64| size * f.max(f0) * f / (f0 * f0 - f * f).abs() / COVERED;
         for (ratio, size) in
@@ -264,7 +256,7 @@ mod tests {
                 let needed: f64 = needed.iter().sum();
                 for length in (5000..6000).step_by(37) {
                     let record = (0..length).map(both).collect::<Vec<_>>();
-                    let found = end.size(&record, rate, at * frequency);
+                    let found = end_size(&record, rate, 1.0 / frequency, at * frequency);
                     let over = found / needed;
                     assert!(
                         (0.98..2.0).contains(&over),
@@ -273,30 +265,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    /// Two modes that beat: the period before a filter runs out is up to twice as large or half as large as the last.
-    #[test]
-    fn the_end_of_beating_modes_is_predicted() {
-        let (rate, half) = (730.0, 15);
-        let motion = |n: usize| {
-            let t = n as f64 / rate;
-            let mode = |f: f64, decay: f64| (-decay * t).exp() * (TAU * f * t).sin();
-            mode(49.4, 3.0) + 0.7 * mode(77.4, 2.0)
-        };
-        let end = RecordEnd { period: 1.0 / 49.4, run_out: 0.0, is_predicted: false };
-        let run_out = (2 * half) as f64 / rate;
-        let mut worst = [0.0_f64; 2];
-        for length in 200..240 {
-            let all: Vec<f64> = (0..length).map(motion).collect();
-            let exact = end.size(&all, rate, 49.4);
-            // What the filter leaves of the samples beside the end does not count.
-            let filtered = [&all[..length - half], &vec![f64::NAN; 2 * half][..]].concat();
-            for (is_predicted, worst) in [false, true].into_iter().zip(&mut worst) {
-                let told = RecordEnd { run_out, is_predicted, ..end };
-                *worst = worst.max((told.size(&filtered, rate, 49.4) / exact).ln().abs());
-            }
-        }
-        assert!(worst[0] > 0.3 && worst[1] < 0.02, "{worst:?}");
     }
 }

@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::{CaseResponse, Decimation, TransientCase};
 use asperity_signal::{
-    Complex64, DecimationFilter, HarmonicOptions, ReceptanceFeatures, SharedForce, SignalError,
-    transform_at,
+    Complex64, DecimationFilter, FrequencyResponse, HarmonicOptions, ReceptanceFeatures,
+    SharedForce, SignalError, UnfilteredEnd, transform_at,
 };
 use asperity_structure::LoadCase;
 
@@ -56,7 +56,8 @@ struct DecimatedForce {
 
 impl ObservableExtractor {
     /// The filter for the output of a hit at `step` \[s\]: it keeps the windows in which peaks are
-    /// sought about the static frequency `natural` \[Hz\], and all below `wanted` \[Hz\].
+    /// sought about the static frequency `natural` \[Hz\], and all below `wanted` \[Hz\]; and the end of the output in
+    /// which the size of ripples is read.
     pub fn decimation(&self, natural: Option<f64>, wanted: f64, step: f64) -> Arc<Decimation> {
         self.decimation_within(FILTER_ERROR, natural, wanted, step)
     }
@@ -82,6 +83,10 @@ impl ObservableExtractor {
         let options = HarmonicOptions::default();
         let band = options.fundamental_window.1 * options.second_window.1.max(1.0);
         let high = natural.map_or(f64::INFINITY, |natural| (band * natural).max(wanted));
+        // The longest period of a fundamental, and room for a window about its ends; a power of two, that many hits share
+        // one filter. The cast saturates.
+        let longest = natural.map_or(0.0, |natural| 1.0 / (options.fundamental_window.0 * natural));
+        let ending = ((1.3 * longest / step).ceil() as usize).next_power_of_two();
         let key = [high, step, error].map(f64::to_bits);
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, decimation)) = latest.as_ref().filter(|latest| latest.0 == key) {
@@ -89,11 +94,13 @@ impl ObservableExtractor {
         }
         let decimator = DecimationFilter::keeping_within(1.0 / step, high, error);
         let mut filters = self.filters.lock().unwrap_or_else(PoisonError::into_inner);
-        let same = |filter: &&Arc<Filter>| filter.decimator == decimator;
+        let same = |filter: &&Arc<Filter>| {
+            filter.decimator == decimator && filter.decimation.ending == ending
+        };
         let known = filters.iter().find(same).map(|filter| Arc::clone(&filter.decimation));
         let decimation = known.unwrap_or_else(|| {
-            let decimation =
-                Arc::new(Decimation { factor: decimator.factor(), taps: decimator.taps().into() });
+            let taps = decimator.taps().into();
+            let decimation = Arc::new(Decimation { factor: decimator.factor(), taps, ending });
             filters.push(Arc::new(Filter { decimation: Arc::clone(&decimation), decimator }));
             decimation
         });
@@ -135,7 +142,7 @@ impl ObservableExtractor {
         };
         let decimated = decimate(&samples);
         let passage =
-            if has_friction { decimate(&passage_to_rest(record.steps)) } else { Vec::new() };
+            if has_friction { decimate(&passage_to_rest(0, record.steps)) } else { Vec::new() };
         let rate = sample_rate(record);
         let force = Arc::new(DecimatedForce {
             shared: SharedForce::new(&decimated, rate, DecimationFilter::highest_kept(rate)),
@@ -163,7 +170,7 @@ impl ObservableExtractor {
         frequencies: &[f64],
     ) -> Option<Vec<Complex64>> {
         let (force, factor) = self.force(hit, record)?;
-        let (rate, displacement) = (sample_rate(record), force.to_rest(record));
+        let (rate, (displacement, _)) = (sample_rate(record), force.to_rest(record));
         let at = |&frequency: &f64| {
             let [response, force] = [&displacement[..], &force.samples[..]]
                 .map(|samples| transform_at(samples, rate, frequency));
@@ -196,17 +203,18 @@ impl ObservableExtractor {
         let mut features = ReceptanceFeatures::default();
         let natural = prepared.at_rest.natural_frequency_hz;
         if let (Some(natural), Some((force, factor))) = (natural, self.force(hit, record)) {
-            // The filter meets the end of the motion, and overshoots there, over its whole length.
-            let run_out_s = record.decimation.taps.len() as f64 * record.step;
-            let options = HarmonicOptions { run_out_s, ..HarmonicOptions::default() };
-            let displacement = force.to_rest(record);
+            let (displacement, ending) = force.to_rest(record);
+            let end = UnfilteredEnd { samples: &ending, sample_rate_hz: 1.0 / record.step };
             let shared = force.shared.as_ref();
-            let found = shared.and_then(|s| s.analyse(&displacement, factor, natural, &options));
+            let options = HarmonicOptions::default();
+            let found = shared.and_then(|shared| {
+                shared.analyse((&displacement, Some(end)), factor, natural, &options)
+            });
             let found = if let Some(found) = found {
                 found
             } else {
                 let rate = sample_rate(record);
-                force.analyse_exactly(factor, (&displacement, rate), natural, &options)?
+                force.analyse_exactly(factor, (&displacement, rate), end, natural)?
             };
             // From the sample before the end of the force on, up to the last whose filter is filled by the run; the motion
             // ends half a filter later.
@@ -235,19 +243,24 @@ fn sample_rate(record: &CaseResponse) -> f64 {
 }
 
 impl DecimatedForce {
-    /// The displacement of a record less its passage to rest, as [`displacement_to_rest`]; the last sample whose filter
-    /// is filled by the run shows the height.
+    /// The displacement of a record, and its end before the filter, less its passage to rest, as [`displacement_to_rest`];
+    /// the last sample whose filter is filled by the run shows the height.
     ///
     /// [`displacement_to_rest`]: crate::observables::displacement_to_rest
-    fn to_rest<'a>(&self, record: &'a CaseResponse) -> Cow<'a, [f64]> {
+    fn to_rest<'a>(&self, record: &'a CaseResponse) -> (Cow<'a, [f64]>, Cow<'a, [f64]>) {
         let last = record.steps.saturating_sub(1) / record.decimation.factor.max(1);
         let (Some(&reached), Some(&passed)) =
             (record.displacement.get(last), self.passage.get(last))
         else {
-            return Cow::Borrowed(&record.displacement);
+            return (Cow::Borrowed(&record.displacement), Cow::Borrowed(&record.ending));
         };
+        let height = reached / passed;
         let pairs = record.displacement.iter().zip(&self.passage);
-        Cow::Owned(pairs.map(|(u, passage)| u - reached / passed * passage).collect())
+        let displacement = pairs.map(|(u, passage)| u - height * passage).collect();
+        let passage = passage_to_rest(record.steps - record.ending.len(), record.steps);
+        let ending =
+            record.ending.iter().zip(passage).map(|(u, passage)| u - height * passage).collect();
+        (Cow::Owned(displacement), Cow::Owned(ending))
     }
 
     /// The part of a record after the force.
@@ -255,19 +268,21 @@ impl DecimatedForce {
         record.displacement.get(self.free.ceil() as usize..).unwrap_or_default()
     }
 
-    /// The features of a displacement at a rate \[Hz\] whose spectrum cannot be interpolated, for a force of this
-    /// factor.
+    /// The features of a displacement at a rate \[Hz\] whose spectrum cannot be interpolated, with its end before the filter,
+    /// for a force of this factor.
     fn analyse_exactly(
         &self,
         factor: f64,
         (displacement, rate): (&[f64], f64),
+        end: UnfilteredEnd<'_>,
         natural: f64,
-        options: &HarmonicOptions,
     ) -> Result<ReceptanceFeatures, SignalError> {
         let force: Vec<f64> = self.samples.iter().map(|force| factor * force).collect();
         let response = frequency_response(&force, displacement, rate, false)?;
-        Ok(response
-            .map(|response| ReceptanceFeatures::of(&response, natural, options))
-            .unwrap_or_default())
+        let features = |response: FrequencyResponse| {
+            let response = response.with_unfiltered_end(end);
+            ReceptanceFeatures::of(&response, natural, &HarmonicOptions::default())
+        };
+        Ok(response.map(features).unwrap_or_default())
     }
 }

@@ -192,19 +192,19 @@ pub fn displacement_to_rest(displacement: &[f64], has_friction: bool) -> Cow<'_,
     if !has_friction || last == 0.0 {
         return Cow::Borrowed(displacement);
     }
-    let passage = passage_to_rest(displacement.len());
+    let passage = passage_to_rest(0, displacement.len());
     Cow::Owned(
         displacement.iter().zip(passage).map(|(value, passed)| value - last * passed).collect(),
     )
 }
 
-/// The passage `x^3 (10 - 15 x + 6 x^2)` from zero to one over `count` samples.
-pub(crate) fn passage_to_rest(count: usize) -> Vec<f64> {
+/// The passage `x^3 (10 - 15 x + 6 x^2)` from zero to one over `count` samples, from sample `first` on.
+pub(crate) fn passage_to_rest(first: usize, count: usize) -> Vec<f64> {
     let passed = |place: usize| {
         let x = (place + 1) as f64 / count as f64;
         x.powi(3) * (10.0 + x * (6.0 * x - 15.0))
     };
-    (0..count).map(passed).collect()
+    (first..count).map(passed).collect()
 }
 
 #[cfg(test)]

@@ -104,7 +104,7 @@ fn main() {
 fn run(set: InstructionSet, hits: &[TransientCase]) {
     // As many taps as keep the band of the harmonics at a decimation by eight.
     let taps: Arc<[f64]> = vec![1.0 / 96.0; 96].into();
-    let decimation = Arc::new(Decimation { factor: 8, taps });
+    let decimation = Arc::new(Decimation { factor: 8, taps, ending: 0 });
     for record in (Batch { instructions: set }).run(hits, &|_, _| Arc::clone(&decimation)) {
         black_box(record.unwrap());
     }

@@ -1,4 +1,4 @@
-//! Fewer samples than steps: a low-pass filter that keeps every so many outputs.
+//! Fewer samples than steps: a low-pass filter that keeps every so many outputs, and the last ones as they are.
 
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -13,12 +13,14 @@ pub struct Decimation {
     pub factor: usize,
     /// The filter, newest step first.
     pub taps: Arc<[f64]>,
+    /// Number of the last outputs that are kept as they are too: a filter hides the end of the run.
+    pub ending: usize,
 }
 
 impl Decimation {
     /// No samples.
     pub(super) fn none() -> Arc<Self> {
-        Arc::new(Self { factor: 1, taps: Arc::new([]) })
+        Arc::new(Self { factor: 1, taps: Arc::new([]), ending: 0 })
     }
 
     /// Steps per sample kept; one where the factor is zero.
@@ -42,9 +44,14 @@ impl Decimation {
         (0..self.samples(outputs.len())).map(sample).collect()
     }
 
-    /// An order in which filters are equal if they have equal factors, and taps of equal bits.
+    /// The first of `steps` outputs that is kept as it is.
+    pub(super) fn ending_from(&self, steps: usize) -> usize {
+        steps.saturating_sub(self.ending)
+    }
+
+    /// An order in which filters are equal if they have equal factors and endings, and taps of equal bits.
     pub(super) fn order(&self, other: &Self) -> Ordering {
-        let size = |filter: &Self| (filter.factor, filter.taps.len());
+        let size = |filter: &Self| (filter.factor, filter.taps.len(), filter.ending);
         let taps = || {
             if Arc::ptr_eq(&self.taps, &other.taps) {
                 return Ordering::Equal;

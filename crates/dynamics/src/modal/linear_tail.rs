@@ -9,8 +9,9 @@
 //!
 //! Each decimated sample after step s is a row times the state at step s,
 //! `sum over n of taps_(j factor - s - 1 - n) c A^n`. Samples whose steps all lie after step s repeat: a block of
-//! rows gives the first of them, and the same block those behind it, from the state moved on. All cases of a
-//! model share these rows. `ring_down` chooses the step s, and checks that the laws are straight after it.
+//! rows gives the first of them, and the same block those behind it, from the state moved on. The last outputs before
+//! the filter are rows of their own. All cases of a model share these rows. `ring_down` chooses the step s, and checks
+//! that the laws are straight after it.
 
 use std::sync::Arc;
 
@@ -44,6 +45,9 @@ pub(super) struct LinearTail {
     repeated: usize,
     /// Rows of the samples whose filter reaches beyond the last step.
     end: Mat<f64>,
+    /// Rows of the last outputs before the filter, and how many of these came before.
+    ending: Mat<f64>,
+    ending_before: usize,
 }
 
 impl LinearTail {
@@ -62,7 +66,10 @@ impl LinearTail {
         let count = decimation.samples(steps);
         let first_sample = (from + 1).div_ceil(factor);
         let linear = LinearStep::new(model, tables, sensor);
-        let numbers = count.saturating_sub(first_sample).saturating_mul(linear.size);
+        let ending_from = decimation.ending_from(steps);
+        let first_ending = ending_from.max(from + 1).min(steps);
+        let ending = steps - first_ending;
+        let numbers = (count.saturating_sub(first_sample) + ending).saturating_mul(linear.size);
         // Samples whose steps all lie between, the first and the last.
         let (whole, last_whole) = ((from + reach).div_ceil(factor), last / factor);
         let is_worth =
@@ -92,14 +99,20 @@ impl LinearTail {
         let block = powers.rows(row.as_ref(), factor, BLOCK.min(repeated));
         let advance = powers.power(factor * BLOCK);
         let first = ((last_whole + 1) * factor + 1).saturating_sub(reach).max(from + 1);
-        let row = output * powers.power(first - from - 1);
+        let row = &output * powers.power(first - from - 1);
         let rows = powers.rows(row.as_ref(), 1, (last + 1).saturating_sub(first));
         let end = samples(&rows, first, last_whole + 1, count.saturating_sub(last_whole + 1));
-        Some(Self { from, first_sample, head, block, advance, repeated, end })
+        let row = output * powers.power(first_ending - from - 1);
+        let ending = powers.rows(row.as_ref(), 1, ending);
+        let ending_before = first_ending - ending_from;
+        let tail =
+            Self { from, first_sample, head, block, advance, repeated, end, ending, ending_before };
+        Some(tail)
     }
 
-    /// Adds the rest to the samples of a response, from its state.
-    pub(super) fn add_to(&self, samples: &mut [f64], state: &[f64]) {
+    /// Adds the rest to the samples of a response, and to its last outputs, from its state.
+    pub(super) fn add_to(&self, samples: &mut [f64], ending: &mut [f64], state: &[f64]) {
+        add_product(ending.get_mut(self.ending_before..).unwrap_or_default(), &self.ending, state);
         let samples = samples.get_mut(self.first_sample..).unwrap_or_default();
         let (head, rest) = samples.split_at_mut(self.head.nrows().min(samples.len()));
         let (repeated, end) = rest.split_at_mut(self.repeated.min(rest.len()));

@@ -79,6 +79,8 @@ pub struct CaseResponse {
     /// Displacement at the sensor \[m\], through the filter of `decimation`: sample j is the
     /// filter's output at step `j factor`, until the filter has run out.
     pub displacement: Vec<f64>,
+    /// The last outputs before the filter \[m\], as many as the filter asks for or all, up to the last step but one.
+    pub ending: Vec<f64>,
     /// The filter.
     pub decimation: Arc<Decimation>,
     /// Extremes and averages at each contact, from the top down.

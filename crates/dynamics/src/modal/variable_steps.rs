@@ -238,6 +238,7 @@ impl Recording<'_> {
             integrated_steps: run.taken,
             modes: case.model.row_modes().modes.len(),
             displacement: decimation.filtered(&readings),
+            ending: readings.split_off(decimation.ending_from(readings.len())),
             decimation: Arc::clone(decimation),
             contacts: run.contact_extremes(),
             energy,

@@ -32,7 +32,7 @@ fn hit(stack: &Stack, damping: Damping, excitation: LoadCase, step: Option<f64>)
 
 fn filter(factor: usize, length: usize) -> Arc<Decimation> {
     let tap = |l: usize| (0.2 * l as f64).cos() / length as f64;
-    Arc::new(Decimation { factor, taps: (0..length).map(tap).collect() })
+    Arc::new(Decimation { factor, taps: (0..length).map(tap).collect(), ending: 900 })
 }
 
 fn respond(hit: &TransientCase, decimation: &Arc<Decimation>) -> CaseResponse {
@@ -47,9 +47,10 @@ fn whole(hit: &TransientCase, record: &CaseResponse) -> Transient {
     Batch::default().transient(hit, &sampling).unwrap()
 }
 
-/// Largest difference between a record and the filtered displacement of all steps, over its peak.
+/// Largest difference between a record and the filtered displacement of all steps, over its peak, or between its last
+/// outputs and these steps, over theirs.
 fn departure(record: &CaseResponse, all: &[f64]) -> f64 {
-    let Decimation { factor, taps } = &*record.decimation;
+    let Decimation { factor, taps, ending } = &*record.decimation;
     let filtered = |j: usize| -> f64 {
         let past = taps.iter().enumerate().map(|(l, tap)| {
             let step = (j * factor).checked_sub(l).filter(|step| *step < record.steps);
@@ -58,9 +59,15 @@ fn departure(record: &CaseResponse, all: &[f64]) -> f64 {
         past.sum()
     };
     let expected: Vec<f64> = (0..record.displacement.len()).map(filtered).collect();
-    let peak = expected.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
-    let pairs = record.displacement.iter().zip(&expected);
-    pairs.map(|(found, exact)| (found - exact).abs()).fold(0.0, f64::max) / peak
+    assert_eq!(record.ending.len(), *ending.min(&record.steps));
+    let last = &all[record.steps - record.ending.len()..record.steps];
+    let apart = |found: &[f64], exact: &[f64], among: &[f64]| {
+        let peak = among.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+        let pairs = found.iter().zip(exact);
+        pairs.map(|(found, exact)| (found - exact).abs()).fold(0.0, f64::max) / peak
+    };
+    let filtered = apart(&record.displacement, &expected, &expected);
+    filtered.max(apart(&record.ending, last, all))
 }
 
 /// A law that is straight: both are the same numbers but for rounding, for filters that are longer

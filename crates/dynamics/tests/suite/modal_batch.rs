@@ -30,7 +30,7 @@ fn modal(stack: &Stack, damping: Damping, modes: usize) -> Arc<ModalModel> {
 /// Filters of equal length and unequal taps.
 fn filter(number: usize) -> Arc<Decimation> {
     let taps = (0..9).map(|tap| ((number % 3 * 9 + tap) as f64).cos() / 9.0).collect();
-    Arc::new(Decimation { factor: 1 + number % 2, taps })
+    Arc::new(Decimation { factor: 1 + number % 2, taps, ending: 0 })
 }
 
 /// Forty-two hits, hardly two of one kind; kinds mixed.
@@ -187,7 +187,7 @@ fn a_failing_hit_changes_no_other() {
         bad(pulse(20.0), 3e-3, Some(-1.0)),
         bad(pulse(20.0), 3e-3, Some(1e-13)),
     ];
-    let none = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });
+    let none = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]), ending: 0 });
     for instructions in InstructionSet::available() {
         let run =
             |hits: &[TransientCase]| Batch { instructions }.run(hits, &|_, _| Arc::clone(&none));
@@ -226,7 +226,7 @@ fn a_stopped_run_ends_within_some_steps() {
         step: Some(1e-6),
         tolerance,
     };
-    let all_steps = Arc::new(Decimation { factor: 1000, taps: Arc::new([1.0]) });
+    let all_steps = Arc::new(Decimation { factor: 1000, taps: Arc::new([1.0]), ending: 0 });
     for tolerance in [None, Some(1e-5)] {
         let stop = AtomicBool::new(false);
         let decimation = |_: usize, _: f64| {

@@ -33,7 +33,7 @@ fn hit(stack: &Stack, excitation: LoadCase, duration: f64, step: Option<f64>) ->
 }
 
 fn record(hit: &TransientCase, factor: usize, taps: &[f64]) -> CaseResponse {
-    let decimation = Arc::new(Decimation { factor, taps: taps.into() });
+    let decimation = Arc::new(Decimation { factor, taps: taps.into(), ending: 70 });
     let mut records =
         Batch::default().run(std::slice::from_ref(hit), &|_, _| Arc::clone(&decimation));
     records.swap_remove(0).unwrap()
@@ -60,6 +60,7 @@ fn a_batch_and_a_transient_are_the_same_hit() {
         let whole = Batch::default().transient(&hit, &sampling).unwrap();
         assert_eq!((whole.step, whole.steps), (record.step, record.steps));
         assert_eq!(record.displacement.len(), record.steps);
+        assert_eq!(record.ending, record.displacement[record.steps - 70..]);
         let off = difference(&record.displacement, &whole.history.sensors[0].displacement);
         assert!(off < 1e-10, "{off}");
         assert_eq!(whole.contacts, record.contacts);

@@ -9,8 +9,8 @@ use crate::damped_engines::{case, off};
 use crate::support::half_spaces::{self, relative_norm, window};
 use crate::support::{AREA, Law, damped, modified, power, pulse, rig, run_at, slope};
 use asperity_dynamics::{
-    Batch, Decimation, DynamicsError, Modal, ParameterVariation, STENCIL, Sampling, Transient,
-    TransientCase,
+    Batch, CaseResponse, Decimation, DynamicsError, Modal, ParameterVariation, STENCIL, Sampling,
+    Transient, TransientCase,
 };
 use asperity_law::{Constant, ContactDamping, Friction};
 use asperity_mesh::{Body, Interface, Port, Stack, Support};
@@ -236,10 +236,14 @@ fn responses_at_steps_of_their_own_do_not_depend_on_other_cases() {
         case(40.0, Some(1e-6)),
         case(32.0, Some(1e-5)),
     ];
-    let all_steps = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });
+    let all_steps = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]), ending: 40 });
     let run = |cases: &[TransientCase]| {
         let found = Batch::default().run(cases, &|_, _| Arc::clone(&all_steps));
-        found.into_iter().map(|one| one.unwrap().displacement).collect::<Vec<_>>()
+        let displacement = |one: CaseResponse| {
+            assert_eq!(one.ending, one.displacement[one.steps - 40..]);
+            one.displacement
+        };
+        found.into_iter().map(|one| displacement(one.unwrap())).collect::<Vec<_>>()
     };
     let together = run(&cases);
     for (case, found) in cases.iter().zip(&together) {

@@ -3,7 +3,9 @@
 use crate::oscillator::{
     Mode, hammer_pulse, hit, impulse_response, integrated, maximum, sampled_slope,
 };
-use asperity_signal::{FrequencyResponse, HarmonicOptions, Harmonics, find_harmonics};
+use asperity_signal::{
+    FrequencyResponse, HarmonicOptions, Harmonics, UnfilteredEnd, find_harmonics,
+};
 use std::f64::consts::{PI, TAU};
 
 const RATE: f64 = 100_000.0;
@@ -140,21 +142,20 @@ fn a_ripple_is_found_to_one_margin_on_all_grids() {
     assert!(compared > 5, "{compared}");
 }
 
-/// A record behind whose end a filter runs out, here in zeros for longer than a period, hides the size of its end in its
-/// last period: ripples are no peaks once that time is given.
+/// A record behind whose end a filter runs out, here in zeros for longer than a period, hides the size of its end:
+/// ripples are no peaks once the samples before the filter are given.
 #[test]
 fn ripples_are_told_apart_before_a_filter_runs_out() {
-    const RUN_OUT: usize = 200;
-    let run_out_s = RUN_OUT as f64 / RATE;
-    let told = HarmonicOptions { run_out_s, ..HarmonicOptions::default() };
     let mut mistaken = 0;
     for count in (1800..2200).step_by(20) {
         let (force, displacement) = impulse_response(&[FIRST], RATE, count);
-        let [force, displacement] = [force, displacement]
-            .map(|samples| -> Vec<f64> { samples.into_iter().chain([0.0; RUN_OUT]).collect() });
-        let hit = FrequencyResponse::from_displacement(&force, &displacement, RATE).unwrap();
-        assert_eq!(find_harmonics(&hit, 850.0, &told).second, None, "{count} samples");
+        let end = UnfilteredEnd { samples: &displacement[count - 500..], sample_rate_hz: RATE };
+        let [force, filtered] = [&force, &displacement]
+            .map(|samples| samples.iter().copied().chain([0.0; 200]).collect::<Vec<_>>());
+        let hit = FrequencyResponse::from_displacement(&force, &filtered, RATE).unwrap();
         mistaken += usize::from(search(&hit).second.is_some());
+        let hit = hit.with_unfiltered_end(end);
+        assert_eq!(search(&hit).second, None, "{count} samples");
     }
     assert!(mistaken > 10, "the ripples are there: {mistaken} of 20");
 }

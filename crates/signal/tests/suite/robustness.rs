@@ -20,7 +20,6 @@ fn options() -> impl Strategy<Value = HarmonicOptions> {
                 padding,
                 minimum_prominence: prominence,
                 leakage_margin: margin,
-                run_out_s: 0.0,
                 force_threshold: threshold,
             }
         },

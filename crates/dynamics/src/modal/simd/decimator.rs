@@ -1,4 +1,4 @@
-//! The decimation filter at work on every lane of a block.
+//! The decimation filter at work on every lane of a block, and the last outputs before it.
 
 use pulp::Simd;
 
@@ -10,6 +10,15 @@ use crate::modal::decimation::Decimation;
 #[repr(align(64))]
 struct Line<V>(V);
 
+/// The outputs that are kept of one lane.
+#[derive(Debug, Default)]
+pub(super) struct LaneSamples {
+    /// The samples of the filter.
+    pub(super) filtered: Vec<f64>,
+    /// The last outputs before it.
+    pub(super) ending: Vec<f64>,
+}
+
 /// The filter at work on every lane of a block.
 pub(super) struct Decimator<S: Simd> {
     /// Taps, oldest step first.
@@ -19,6 +28,9 @@ pub(super) struct Decimator<S: Simd> {
     taken: usize,
     /// The samples, as far as the steps taken in contribute to them.
     samples: Vec<Line<LaneVector<S>>>,
+    /// The last outputs, and the step of the first of them.
+    ending: Vec<Line<LaneVector<S>>>,
+    ending_from: usize,
 }
 
 impl<S: Simd> Decimator<S> {
@@ -27,7 +39,10 @@ impl<S: Simd> Decimator<S> {
         let factor = decimation.stride();
         let taps: Vec<f64> = decimation.taps.iter().rev().copied().collect();
         let count = decimation.samples(steps);
-        Self { samples: vec![Line(LanePair(simd).splat(0.0)); count], taps, factor, taken: 1 }
+        let ending_from = decimation.ending_from(steps);
+        let zeros = |count: usize| vec![Line(LanePair(simd).splat(0.0)); count];
+        let (samples, ending) = (zeros(count), zeros(steps - ending_from));
+        Self { taps, factor, taken: 1, samples, ending, ending_from }
     }
 
     /// Takes in the outputs of one lane at steps so far, the one at rest first; all lanes have as many.
@@ -45,6 +60,10 @@ impl<S: Simd> Decimator<S> {
             set_lane::<S>(&mut sample.0, lane, sum);
         }
         self.taken = outputs.len();
+        let last = outputs.get(self.ending_from..).unwrap_or_default();
+        for (kept, output) in self.ending.iter_mut().zip(last) {
+            set_lane::<S>(&mut kept.0, lane, *output);
+        }
     }
 
     /// Takes in the outputs of `chunk`.
@@ -83,12 +102,27 @@ impl<S: Simd> Decimator<S> {
             self.samples[j].0 = pair.add(pair.add(a, b), pair.add(c, d));
             j += 1;
         }
+        // Of the chunk, and of the ending: where each begins in the other.
+        let (before, after) = (
+            self.ending_from.saturating_sub(self.taken),
+            self.taken.saturating_sub(self.ending_from),
+        );
+        let last = chunk.get(before..).unwrap_or_default();
+        for (kept, step) in self.ending.iter_mut().skip(after).zip(last) {
+            kept.0 = step.reading;
+        }
         self.taken += chunk.len();
     }
 
-    /// The samples of each lane.
-    pub(super) fn finish(self) -> Vec<Vec<f64>> {
-        let of = |lane| self.samples.iter().map(|sample| lane_of::<S>(&sample.0, lane)).collect();
+    /// The samples and the last outputs of each lane.
+    pub(super) fn finish(self) -> Vec<LaneSamples> {
+        let column = |lines: &[Line<LaneVector<S>>], lane: usize| {
+            lines.iter().map(|line| lane_of::<S>(&line.0, lane)).collect()
+        };
+        let of = |lane| LaneSamples {
+            filtered: column(&self.samples, lane),
+            ending: column(&self.ending, lane),
+        };
         (0..2 * S::F64_LANES).map(of).collect()
     }
 }
@@ -105,8 +139,9 @@ mod tests {
         let simd = pulp::Scalar::new();
         let output: Vec<f64> = (0..203).map(|n| (0.37 * f64::from(n)).sin()).collect();
         for (factor, length) in [(1, 1), (8, 64), (3, 5), (7, 2), (5, 300)] {
-            let taps: Arc<[f64]> = (0..length).map(|l| 1.0 / (1.0 + f64::from(l))).collect();
-            let decimation = Decimation { factor, taps: Arc::clone(&taps) };
+            let taps: Arc<[f64]> = (0..length).map(|l| 1.0 / (1.0 + l as f64)).collect();
+            let ending = length + 20;
+            let decimation = Decimation { factor, taps: Arc::clone(&taps), ending };
             let mut decimator = Decimator::new(simd, &decimation, output.len());
             for chunk in output[1..].chunks(32) {
                 let step = |&u: &f64| Step {
@@ -118,14 +153,18 @@ mod tests {
                 decimator.take(simd, &steps);
             }
             let found = decimator.finish();
-            assert_eq!(found[0].len(), (output.len() + taps.len() - 1).div_ceil(factor));
-            for (j, sample) in found[0].iter().enumerate() {
+            let last = &output[output.len().saturating_sub(ending)..];
+            assert_eq!(found[0].ending, last, "{factor} {length}");
+            assert!(found[1].ending.iter().zip(last).all(|(twice, once)| *twice == 2.0 * once));
+            let [once, twice] = [&found[0].filtered, &found[1].filtered];
+            assert_eq!(once.len(), (output.len() + taps.len() - 1).div_ceil(factor));
+            for (j, sample) in once.iter().enumerate() {
                 let past = |l: usize| (j * factor).checked_sub(l).and_then(|n| output.get(n));
                 let sum: f64 =
                     taps.iter().enumerate().filter_map(|(l, tap)| Some(tap * past(l)?)).sum();
                 // Roundings of three hundred terms of at most one.
                 assert!((sample - sum).abs() < 1e-13, "{factor} {length} {j}: {sample} {sum}");
-                assert_eq!(found[1][j], 2.0 * sample);
+                assert_eq!(twice[j], 2.0 * sample);
             }
         }
     }

@@ -23,6 +23,8 @@ pub(in crate::modal) struct Outcome {
     pub(in crate::modal) end: RunEnd,
     /// Output displacement: decimated samples, or steps 0 to the last \[m\].
     pub(in crate::modal) displacement: Vec<f64>,
+    /// The last outputs before the filter \[m\]; none of a run that records every step.
+    pub(in crate::modal) ending: Vec<f64>,
     /// Traction increment \[Pa\], the pressure increment without damping and friction, and closure
     /// increment \[m\] at steps 0 to the last, per row: contacts, then guides.
     pub(in crate::modal) traction: Vec<Vec<f64>>,

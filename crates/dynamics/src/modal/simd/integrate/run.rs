@@ -11,14 +11,14 @@ use crate::modal::simd::block::{
     total_work,
 };
 use crate::modal::simd::contact_extremes::BlockExtremes;
-use crate::modal::simd::decimator::Decimator;
+use crate::modal::simd::decimator::{Decimator, LaneSamples};
 use crate::modal::simd::outcome::{ContactOutcome, LAST_STATES, Outcome, RunEnd};
 use crate::modal::simd::table_lookup::TableLookup;
 
 /// Recording of the motion.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::modal) enum Recording<'a> {
-    /// Displacement, filtered and decimated.
+    /// Displacement, filtered and decimated, and its end as it is.
     Decimated(&'a Decimation),
     /// Displacement, pressures and closures at every step.
     EveryStep,
@@ -37,7 +37,7 @@ pub(super) struct Run<'a, S: Simd, C, const N: usize> {
     ends: Vec<RunEnd>,
     states: Vec<[LaneVector<S>; LAST_STATES]>,
     /// The finished samples of each lane.
-    samples: Vec<Vec<f64>>,
+    samples: Vec<LaneSamples>,
     /// Steps that came before, the last step to integrate, and steps of the whole response.
     pub(super) first: usize,
     pub(super) steps: usize,
@@ -248,7 +248,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
                 state.extend([of(&mode.predicted), of(&mode.predicted_increment)]);
                 state.extend(mode.carry[..carried(model)].iter().map(of));
             }
-            tail.add_to(samples, &state);
+            tail.add_to(&mut samples.filtered, &mut samples.ending, &state);
         }
     }
 
@@ -280,6 +280,11 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
                     *cells /= per_metre;
                 }
             }
+            let kept = self.samples.get_mut(lane).map(std::mem::take);
+            let (displacement, ending) = match kept {
+                Some(LaneSamples { filtered, ending }) => (filtered, ending),
+                None => (columns.displacement, Vec::new()),
+            };
             let rows = 0..case.model.rows();
             let (mut friction_stored, mut friction_loss) = (0.0, 0.0);
             for (i, slider) in rows.clone().zip(&self.block.sliders) {
@@ -296,10 +301,8 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
                 row_tractions: rows.map(|i| of(&newest.pressure[i])).collect(),
                 friction_stored,
                 friction_loss,
-                displacement: match self.samples.get_mut(lane) {
-                    Some(samples) => std::mem::take(samples),
-                    None => columns.displacement,
-                },
+                displacement,
+                ending,
                 traction: columns.pressure,
                 closure: columns.closure,
                 contacts,
