@@ -41,6 +41,11 @@ pub(super) const LINEAR: f64 = 1e-3;
 /// Most node updates of an integration to a steady response.
 const MOST_NODE_STEPS: f64 = 4e8;
 
+/// Relative distances in frequency and amplitude up to which a response beside a fold stands for the peak there: steps of
+/// the integration move the fold by a few millionths.
+const BESIDE: f64 = 1e-3;
+const ALIKE: f64 = 0.5 * AMPLITUDE;
+
 /// Truncation of harmonics above which a branch says that it may be wrong.
 const TRUNCATION: f64 = 1e-3;
 
@@ -317,7 +322,8 @@ fn may_be_shifted(level: &SteadyLevel, branch: &Branch, check: &TimeCheck) -> bo
 
 /// The largest stable response of a branch that loses contact against time integration from its own state; of one that
 /// keeps it, the highest response against a modal integration from rest. Where several exist that may settle on another, and
-/// an integration from its own state decides. A branch without a stable response says so.
+/// an integration from its own state decides; where it leaves a peak beside a fold, one from the state of a response a little
+/// further from the fold. A branch without a stable response says so.
 fn by_modes(
     of: &'static str,
     assembly: &Assembly,
@@ -352,9 +358,7 @@ fn by_modes(
     if let Some(error) = error.filter(|error| *error <= AMPLITUDE) {
         return SteadyJudgement::new(of, error, AMPLITUDE, format!("{remark}; {state}"));
     }
-    // The state of bodies without inertia is not known.
-    let whole = level.condensed.is_none();
-    let own = whole.then(|| TimeCheck::from_own_state(assembly, peak)).flatten();
+    let own = TimeCheck::from_own_state(assembly, peak);
     let words = from_rest.map_or("not settled".to_owned(), |modal| format!("{modal:.4e} m"));
     let remark = format!("{remark}, from rest {words}");
     let Some(own) = own else { return without(Class::SilentlyUndecided, remark) };
@@ -364,11 +368,37 @@ fn by_modes(
     if own.settled && error <= AMPLITUDE {
         return SteadyJudgement::new(of, error, AMPLITUDE, format!("{remark}; {state}"));
     }
+    if let Some((near, apart)) = beside_fold(branch, peak)
+        && let Some(own) = TimeCheck::from_own_state(assembly, near)
+        && own.settled
+        && own.relative_difference + apart <= AMPLITUDE
+    {
+        let place =
+            format!("beside a fold, at {:.3} Hz {:.4e} m", own.frequency_hz, own.amplitude_1_m);
+        let remark = format!("{remark}; {place}, stays at {:.4e} m; {state}", own.integrated_1_m);
+        return SteadyJudgement::new(of, own.relative_difference + apart, AMPLITUDE, remark);
+    }
     // Left for the one that is reached from rest too, the response does not exist.
     let is_left = |rest: f64| own.settled && (own.integrated_1_m / rest - 1.0).abs() <= AMPLITUDE;
     let is_wrong = from_rest.is_some_and(is_left);
     let class = if is_wrong { Class::SilentlyWrong } else { Class::SilentlyUndecided };
     without(class, remark)
+}
+
+/// The stable response furthest in frequency of those that stand for a peak, and the relative difference of the amplitudes.
+fn beside_fold<'a>(
+    branch: &'a Branch,
+    peak: &PeriodicResponse,
+) -> Option<(&'a PeriodicResponse, f64)> {
+    let apart = |a: f64, b: f64| (a / b - 1.0).abs();
+    let distance = |one: &PeriodicResponse| apart(one.frequency_hz(), peak.frequency_hz());
+    let amplitude = |one: &PeriodicResponse| one.at_sensor(0, 1).norm();
+    let alike = branch.points.iter().filter_map(|one| {
+        let apart = apart(amplitude(one), amplitude(peak));
+        let stands = one.stable() == Some(true) && distance(one) <= BESIDE && apart <= ALIKE;
+        stands.then_some((one, apart))
+    });
+    alike.max_by(|a, b| distance(a.0).total_cmp(&distance(b.0)))
 }
 
 /// Node updates of an integration to the steady response in cells of 1 mm.

@@ -18,14 +18,19 @@ const SAMPLES: usize = 1024;
 const STEPS: [f64; 3] = [0.25, 0.125, 0.0625];
 
 impl TimeCheck {
-    /// The motion that `response` turns into; none where contacts are damped or rub, and where no step closes the
-    /// energy balance.
+    /// The motion that `response` turns into; none where contacts are damped or rub, where no step closes the
+    /// energy balance, and for a response of other contacts than those of the structure, as where light bodies were
+    /// [condensed](super::Condensation): the state of these is not known.
     ///
     /// Time integration takes the modes that a hit excites. It starts in the motion of the response, so that it
     /// stays on this one of several, and goes on until the fundamental no longer changes, or scatters for good.
     ///
-    /// - `response`: of a branch of the whole structure, not of one whose light bodies were [condensed](super::Condensation).
+    /// Next to a fold the steps may move the fold beyond the response, by as much as they change natural frequencies; the
+    /// motion then is another one.
     pub fn from_own_state(assembly: &Assembly, response: &PeriodicResponse) -> Option<Self> {
+        if response.pressures.len() != assembly.structure.contacts().len() {
+            return None;
+        }
         let motion = periodic_motion(assembly, response);
         let (force, frequency_hz) = (response.force, response.frequency_hz());
         let from_state = |share: &f64| {
