@@ -19,9 +19,10 @@ const SCENARIO: &str =
 const ROUNDS: usize = 3;
 
 /// Varied quantity, its place, its bounds, the force \[N\], and the number of rows.
-const STUDIES: [(&str, &str, [f64; 2], &str, u32); 4] = [
+const STUDIES: [(&str, &str, [f64; 2], &str, u32); 5] = [
     ("damping", "/damping/ratio", [0.02, 0.05], "9", 1024),
     ("length of the bar", "/bodies/0/length_m", [0.22, 0.24], "9", 1024),
+    ("force", "/excitation/peak_n", [8.0, 10.0], "9", 4096),
     ("length of the bar", "/bodies/0/length_m", [0.22, 0.24], "32", 128),
     ("force", "/excitation/peak_n", [30.0, 34.0], "32", 128),
 ];
@@ -46,6 +47,6 @@ fn main() {
     println!("| varied | force [N] | rows | ms a row |");
     println!("|---|---|---|---|");
     for (least, (name, _, _, force, count)) in least.iter().zip(&STUDIES) {
-        println!("| {name} | {force} | {count} | {:.2} |", 1e3 * least);
+        println!("| {name} | {force} | {count} | {:.3} |", 1e3 * least);
     }
 }

@@ -83,10 +83,11 @@ impl ObservableExtractor {
         let options = HarmonicOptions::default();
         let band = options.fundamental_window.1 * options.second_window.1.max(1.0);
         let high = natural.map_or(f64::INFINITY, |natural| (band * natural).max(wanted));
-        // The longest period of a fundamental, and room for a window about its ends; a power of two, that many hits share
+        // The longest period of a fundamental, and room for a window about its ends; a round number, that many hits share
         // one filter. The cast saturates.
         let longest = natural.map_or(0.0, |natural| 1.0 / (options.fundamental_window.0 * natural));
-        let ending = ((1.3 * longest / step).ceil() as usize).next_power_of_two();
+        let least = ((1.3 * longest / step).ceil() as usize).max(8);
+        let ending = least.next_multiple_of(least.next_power_of_two() / 8);
         let key = [high, step, error].map(f64::to_bits);
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, decimation)) = latest.as_ref().filter(|latest| latest.0 == key) {

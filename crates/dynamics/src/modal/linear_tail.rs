@@ -99,10 +99,10 @@ impl LinearTail {
         let block = powers.rows(row.as_ref(), factor, BLOCK.min(repeated));
         let advance = powers.power(factor * BLOCK);
         let first = ((last_whole + 1) * factor + 1).saturating_sub(reach).max(from + 1);
-        let row = &output * powers.power(first - from - 1);
+        let row = powers.moved(&output, first - from - 1);
         let rows = powers.rows(row.as_ref(), 1, (last + 1).saturating_sub(first));
         let end = samples(&rows, first, last_whole + 1, count.saturating_sub(last_whole + 1));
-        let row = output * powers.power(first_ending - from - 1);
+        let row = powers.moved(&output, first_ending - from - 1);
         let ending = powers.rows(row.as_ref(), 1, ending);
         let ending_before = first_ending - ending_from;
         let tail =
@@ -161,6 +161,12 @@ impl Powers {
         }
         let size = self.0[0].nrows();
         power.unwrap_or_else(|| Mat::identity(size, size))
+    }
+
+    /// `row A^exponent`.
+    fn moved(&mut self, row: &Mat<f64>, exponent: usize) -> Mat<f64> {
+        let bits = (0..usize::BITS as usize).filter(|bit| exponent >> bit & 1 == 1);
+        bits.fold(row.clone(), |row, bit| row * self.square(bit))
     }
 
     /// `row A^0`, `row A^stride`, ... to the number of `count`, each half of them from the first half.

@@ -28,21 +28,23 @@ pub(super) struct Decimator<S: Simd> {
     taken: usize,
     /// The samples, as far as the steps taken in contribute to them.
     samples: Vec<Line<LaneVector<S>>>,
-    /// The last outputs, and the step of the first of them.
+    /// Those of the last outputs that are integrated, the step of the first, and the number of all.
     ending: Vec<Line<LaneVector<S>>>,
     ending_from: usize,
+    ending_length: usize,
 }
 
 impl<S: Simd> Decimator<S> {
-    /// A filter of `steps` outputs, the first being that at rest.
-    pub(super) fn new(simd: S, decimation: &Decimation, steps: usize) -> Self {
+    /// A filter of `steps` outputs, the first being that at rest, of which the first `integrated` are taken in.
+    pub(super) fn new(simd: S, decimation: &Decimation, [integrated, steps]: [usize; 2]) -> Self {
         let factor = decimation.stride();
         let taps: Vec<f64> = decimation.taps.iter().rev().copied().collect();
         let count = decimation.samples(steps);
         let ending_from = decimation.ending_from(steps);
         let zeros = |count: usize| vec![Line(LanePair(simd).splat(0.0)); count];
-        let (samples, ending) = (zeros(count), zeros(steps - ending_from));
-        Self { taps, factor, taken: 1, samples, ending, ending_from }
+        let (samples, ending) = (zeros(count), zeros(integrated.saturating_sub(ending_from)));
+        let ending_length = steps - ending_from;
+        Self { taps, factor, taken: 1, samples, ending, ending_from, ending_length }
     }
 
     /// Takes in the outputs of one lane at steps so far, the one at rest first; all lanes have as many.
@@ -114,14 +116,17 @@ impl<S: Simd> Decimator<S> {
         self.taken += chunk.len();
     }
 
-    /// The samples and the last outputs of each lane.
+    /// The samples and the last outputs of each lane; zeros for what was not taken in.
     pub(super) fn finish(self) -> Vec<LaneSamples> {
-        let column = |lines: &[Line<LaneVector<S>>], lane: usize| {
-            lines.iter().map(|line| lane_of::<S>(&line.0, lane)).collect()
+        let column = |lines: &[Line<LaneVector<S>>], lane: usize, length: usize| {
+            let mut column = Vec::with_capacity(length);
+            column.extend(lines.iter().map(|line| lane_of::<S>(&line.0, lane)));
+            column.resize(length, 0.0);
+            column
         };
         let of = |lane| LaneSamples {
-            filtered: column(&self.samples, lane),
-            ending: column(&self.ending, lane),
+            filtered: column(&self.samples, lane, self.samples.len()),
+            ending: column(&self.ending, lane, self.ending_length),
         };
         (0..2 * S::F64_LANES).map(of).collect()
     }
@@ -142,7 +147,7 @@ mod tests {
             let taps: Arc<[f64]> = (0..length).map(|l| 1.0 / (1.0 + l as f64)).collect();
             let ending = length + 20;
             let decimation = Decimation { factor, taps: Arc::clone(&taps), ending };
-            let mut decimator = Decimator::new(simd, &decimation, output.len());
+            let mut decimator = Decimator::new(simd, &decimation, [output.len(); 2]);
             for chunk in output[1..].chunks(32) {
                 let step = |&u: &f64| Step {
                     pressure: [[0.0; 2]],

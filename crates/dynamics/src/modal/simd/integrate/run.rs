@@ -113,7 +113,9 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
         let mut recorded = Vec::new();
         match recording {
             Recording::Decimated(decimation) => {
-                let mut new = Decimator::new(simd, decimation, all_steps);
+                // A run that ends in closed form takes in the output at its last step too.
+                let mut new =
+                    Decimator::new(simd, decimation, [all_steps.min(steps + 1), all_steps]);
                 for (lane, case) in lanes.iter().enumerate() {
                     if let Some(start) = &case.start {
                         new.take_before(lane, &start.readings);
