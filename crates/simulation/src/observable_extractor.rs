@@ -27,8 +27,8 @@ const MOST_KEPT: usize = 32;
 #[derive(Debug, Default)]
 pub struct ObservableExtractor {
     filters: Mutex<Vec<Arc<Filter>>>,
-    /// The latest filter, with the frequency, the step and the error it was made for, in bits.
-    latest: Mutex<Option<([u64; 3], Arc<Decimation>)>>,
+    /// The latest filter, with the frequency, the step, the error and the ending it was made for, in bits.
+    latest: Mutex<Option<([u64; 4], Arc<Decimation>)>>,
     forces: Mutex<Vec<Arc<DecimatedForce>>>,
 }
 
@@ -88,7 +88,7 @@ impl ObservableExtractor {
         let longest = natural.map_or(0.0, |natural| 1.0 / (options.fundamental_window.0 * natural));
         let least = ((1.3 * longest / step).ceil() as usize).max(8);
         let ending = least.next_multiple_of(least.next_power_of_two() / 8);
-        let key = [high, step, error].map(f64::to_bits);
+        let key = [high, step, error, ending as f64].map(f64::to_bits);
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, decimation)) = latest.as_ref().filter(|latest| latest.0 == key) {
             return Arc::clone(decimation);
@@ -285,5 +285,30 @@ impl DecimatedForce {
             ReceptanceFeatures::of(&response, natural, &HarmonicOptions::default())
         };
         Ok(response.map(features).unwrap_or_default())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever was asked for before, of two structures between which only the longest period differs; and the ending has
+    /// room for that period and the window about its ends.
+    #[test]
+    fn a_filter_depends_on_its_own_request_alone() {
+        let (wanted, step) = (5000.0, 1e-5);
+        let used = ObservableExtractor::default();
+        for natural in [900.0, 300.0, 310.0, 900.0] {
+            let found = used.decimation(Some(natural), wanted, step);
+            assert_eq!(
+                found,
+                ObservableExtractor::default().decimation(Some(natural), wanted, step)
+            );
+            let period = 2.5 / natural / step;
+            assert!((1.3 * period..1.6 * period).contains(&(found.ending as f64)), "{natural}");
+        }
+        // Structures alike share one.
+        let [a, b] = [300.0, 301.0].map(|natural| used.decimation(Some(natural), wanted, step));
+        assert!(Arc::ptr_eq(&a, &b));
     }
 }

@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use asperity_dynamics::{FiniteDifference, Integrator, Modal, Sampling};
-use asperity_harmonic::{Branch, PeriodicResponse};
+use asperity_harmonic::{Branch, PeriodicResponse, SpecialPointKind};
 use asperity_law::{Draw as _, rounded};
 use asperity_mesh::{Body, Port};
 use asperity_scenario::{Document, Scenario, SensorKind};
@@ -385,7 +385,8 @@ fn by_modes(
     without(class, remark)
 }
 
-/// The stable response furthest in frequency of those that stand for a peak, and the relative difference of the amplitudes.
+/// The stable response furthest in frequency of those that stand for a peak beside a fold, and the relative difference of
+/// the amplitudes.
 fn beside_fold<'a>(
     branch: &'a Branch,
     peak: &PeriodicResponse,
@@ -393,6 +394,10 @@ fn beside_fold<'a>(
     let apart = |a: f64, b: f64| (a / b - 1.0).abs();
     let distance = |one: &PeriodicResponse| apart(one.frequency_hz(), peak.frequency_hz());
     let amplitude = |one: &PeriodicResponse| one.at_sensor(0, 1).norm();
+    let is_near_it = |fold: &PeriodicResponse| distance(fold) <= BESIDE;
+    if !branch.of_kind(SpecialPointKind::Fold).any(is_near_it) {
+        return None;
+    }
     let alike = branch.points.iter().filter_map(|one| {
         let apart = apart(amplitude(one), amplitude(peak));
         let stands = one.stable() == Some(true) && distance(one) <= BESIDE && apart <= ALIKE;
