@@ -52,10 +52,15 @@ pub(crate) struct SignalTransform {
 /// them in. The filter hides how the motion ends, on which the [ripples](crate::HarmonicOptions::leakage_margin) depend.
 #[derive(Debug, Clone, Copy)]
 pub struct UnfilteredEnd<'a> {
-    /// The samples, up to the end of the motion; 2.5 periods of the fundamental are enough.
+    /// The samples, up to the end of the motion, over so [many](Self::PERIODS) periods of the fundamental or more.
     pub samples: &'a [f64],
     /// Their rate \[Hz\].
     pub sample_rate_hz: f64,
+}
+
+impl UnfilteredEnd<'_> {
+    /// Periods of the fundamental that are read: the last one, the window about both of its ends, and room for whole samples.
+    pub const PERIODS: f64 = 1.05 + SLOW;
 }
 
 /// Ripples of a step `x_end` at 1.5 times the frequency of the oscillation it ends, over `x_end / w`.

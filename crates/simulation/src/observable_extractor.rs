@@ -83,10 +83,9 @@ impl ObservableExtractor {
         let options = HarmonicOptions::default();
         let band = options.fundamental_window.1 * options.second_window.1.max(1.0);
         let high = natural.map_or(f64::INFINITY, |natural| (band * natural).max(wanted));
-        // The longest period of a fundamental, and room for a window about its ends; a round number, that many hits share
-        // one filter. The cast saturates.
+        // That of the lowest fundamental in its window; a round number, that many hits share one filter. The cast saturates.
         let longest = natural.map_or(0.0, |natural| 1.0 / (options.fundamental_window.0 * natural));
-        let least = ((1.3 * longest / step).ceil() as usize).max(8);
+        let least = ((UnfilteredEnd::PERIODS * longest / step).ceil() as usize).max(8);
         let ending = least.next_multiple_of(least.next_power_of_two() / 8);
         let key = [high, step, error, ending as f64].map(f64::to_bits);
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
@@ -305,7 +304,8 @@ mod tests {
                 ObservableExtractor::default().decimation(Some(natural), wanted, step)
             );
             let period = 2.5 / natural / step;
-            assert!((1.3 * period..1.6 * period).contains(&(found.ending as f64)), "{natural}");
+            let least = UnfilteredEnd::PERIODS * period;
+            assert!((least..=1.25 * least + 1.0).contains(&(found.ending as f64)), "{natural}");
         }
         // Structures alike share one.
         let [a, b] = [300.0, 301.0].map(|natural| used.decimation(Some(natural), wanted, step));

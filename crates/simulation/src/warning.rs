@@ -85,8 +85,8 @@ pub enum Warning {
         /// Frequency \[Hz\].
         frequency_hz: f64,
     },
-    /// The record ends before the response has decayed to [`UNDECAYED_RATIO`](asperity_signal::UNDECAYED_RATIO): a half-power damping ratio is too large, and a small
-    /// maximum may be a ripple of its end.
+    /// The record ends before the response has decayed to [`UNDECAYED_RATIO`](asperity_signal::UNDECAYED_RATIO): a half-power
+    /// damping ratio is too large, and a small maximum may be a ripple of its end.
     NotDecayed {
         /// Standard deviation of the last cycle or twentieth of the decay over its largest value.
         remaining: f64,

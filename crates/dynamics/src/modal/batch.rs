@@ -98,7 +98,7 @@ impl Batch {
     ///     step: None,
     ///     tolerance: None,
     /// });
-    /// let all_steps = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]), ending: 0 });
+    /// let all_steps = Decimation::every_step();
     /// let responses = Batch::default().run(&cases, &|_, _| Arc::clone(&all_steps));
     /// let highest = |n: usize| responses[n].as_ref().map_or(0.0, |case| case.contacts[0].pressure_max);
     /// assert!(highest(1) > highest(0));

@@ -18,6 +18,11 @@ pub struct Decimation {
 }
 
 impl Decimation {
+    /// Every output as it is.
+    pub fn every_step() -> Arc<Self> {
+        Arc::new(Self { factor: 1, taps: Arc::new([1.0]), ending: 0 })
+    }
+
     /// No samples.
     pub(super) fn none() -> Arc<Self> {
         Arc::new(Self { factor: 1, taps: Arc::new([]), ending: 0 })

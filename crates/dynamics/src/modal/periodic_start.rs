@@ -62,7 +62,7 @@ impl Batch {
         motion: &PeriodicMotion,
     ) -> Result<CaseResponse, DynamicsError> {
         let state = PeriodicState::new(case, motion)?;
-        let every_step = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]), ending: 0 });
+        let every_step = Decimation::every_step();
         let decimation = |_: usize, _: f64| Arc::clone(&every_step);
         let mut preparation =
             Preparation { shapes: LoadShapes::default(), decimation: &decimation };

@@ -205,7 +205,7 @@ fn damped_hits_do_not_depend_on_their_batch() {
             tolerance: None,
         })
         .collect();
-    let all = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]), ending: 0 });
+    let all = Decimation::every_step();
     let filter = |_: usize, _: f64| Arc::clone(&all);
     let together = Batch::default().run(&hits, &filter);
     for (hit, found) in hits.iter().zip(together) {

@@ -272,7 +272,7 @@ fn hits_with_friction_do_not_depend_on_their_neighbours() {
             tolerance: None,
         })
         .collect();
-    let all = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]), ending: 0 });
+    let all = Decimation::every_step();
     let decimation = |_: usize, _: f64| Arc::clone(&all);
     for instructions in InstructionSet::available() {
         let batch = Batch { instructions };

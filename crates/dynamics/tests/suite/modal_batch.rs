@@ -187,7 +187,7 @@ fn a_failing_hit_changes_no_other() {
         bad(pulse(20.0), 3e-3, Some(-1.0)),
         bad(pulse(20.0), 3e-3, Some(1e-13)),
     ];
-    let none = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]), ending: 0 });
+    let none = Decimation::every_step();
     for instructions in InstructionSet::available() {
         let run =
             |hits: &[TransientCase]| Batch { instructions }.run(hits, &|_, _| Arc::clone(&none));

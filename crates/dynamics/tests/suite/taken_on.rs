@@ -126,8 +126,7 @@ fn the_rest_at_equal_steps_goes_on_as_at_steps_of_their_own() {
         let jumps = pairs.iter().map(|(ours, _)| jump(ours, first)).fold(0.0, f64::max);
         let [accelerations, others] = [&pairs[..1], &pairs[1..]]
             .map(|pairs| pairs.iter().map(|(a, b)| apart(a, b)).fold(0.0, f64::max));
-        let all =
-            |_: usize, _: f64| Arc::new(Decimation { factor: 1, taps: [1.0].into(), ending: 0 });
+        let all = |_: usize, _: f64| Decimation::every_step();
         let alone = batch.run(&[case], &all).into_iter().next().unwrap().unwrap();
         let [a, b] = [(&found.contacts, &found.energy), (&alone.contacts, &alone.energy)]
             .map(|(contacts, energy)| measures_apart((contacts, energy), &whole, natural));

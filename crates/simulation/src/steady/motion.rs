@@ -80,7 +80,7 @@ fn motion(
     frequency: f64,
     share: f64,
 ) -> Result<IntegratedMotion, DynamicsError> {
-    let every_step = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]), ending: 0 });
+    let every_step = Decimation::every_step();
     motion_by(assembly, (force, frequency), share, |case| {
         let cases = std::slice::from_ref(case);
         Batch::default().run(cases, &|_, _| Arc::clone(&every_step)).swap_remove(0)

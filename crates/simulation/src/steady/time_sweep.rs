@@ -279,7 +279,7 @@ impl SequenceRunner for Runner<'_> {
     }
 
     fn run(&self, sequences: &[(SteppedSine, f64)]) -> Vec<Result<(Vec<f64>, f64), DynamicsError>> {
-        let every_step = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]), ending: 0 });
+        let every_step = Decimation::every_step();
         // Lanes run together as long as the longest; the others stay at their last frequency.
         let duration = sequences.iter().map(|(sequence, _)| sequence.end()).fold(0.0, f64::max);
         let port = self.template.load.port();

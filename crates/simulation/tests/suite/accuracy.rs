@@ -95,7 +95,7 @@ fn errors_of_tables_are_stated_as_the_motion_makes_them_count() {
         assert!((found - exact).abs() < 2.0 * stated, "{found:e}, {exact:e}, {stated:e}");
         assert!(stated < 2e-2 * exact, "{stated:e}");
     }
-    let every = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]), ending: 0 });
+    let every = Decimation::every_step();
     let record =
         batch.run(std::slice::from_ref(&case), &|_, _| Arc::clone(&every)).remove(0).unwrap();
     assert!(record.contacts[1].pressure_min < 1e-9, "{}", record.contacts[1].pressure_min);
