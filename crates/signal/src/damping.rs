@@ -53,8 +53,8 @@ impl HalfPower {
 /// Damping ratio of a peak from its half-power crossings, [`HalfPower::ratio`].
 ///
 /// The crossings are found on the exact transform of the record to 1e-10.
-/// `None` if `|H|^2` does not fall to half on each side before it rises again, as with
-/// overlapping modes.
+/// `None` if `|H|^2` does not fall to half on each side before `|H|` rises again, by 2 % of the
+/// peak or more, as with overlapping modes.
 ///
 /// A record that ends before the response has decayed widens the peak and
 /// increases the ratio.
@@ -84,19 +84,20 @@ pub fn half_power(response: &FrequencyResponse, peak: &Peak) -> Option<f64> {
 /// Half-power crossings of a peak; `None` as for [`half_power`].
 pub fn half_power_crossings(response: &FrequencyResponse, peak: &Peak) -> Option<HalfPower> {
     let power = |frequency| response.receptance_at(frequency).norm_sqr();
-    let first_step = 0.25 / response.duration();
-    half_power_of(power, peak.frequency_hz, first_step, 0.5 * response.sample_rate_hz())
+    let step = STEP / response.duration();
+    half_power_of(power, peak.frequency_hz, step, 0.5 * response.sample_rate_hz())
 }
 
 /// Half-power crossings of any `|H(f)|^2` around its maximum.
 ///
 /// - `power`: `|H|^2`, any unit, of a frequency in hertz.
 /// - `peak_hz`: its local maximum, in hertz.
-/// - `first_step_hz`: first step away from the peak; each further step is
-///   1.4 times longer. Features narrower than the steps are missed.
+/// - `step_hz`: step away from the peak, a quarter of the resolution `1/T` of a record of length
+///   `T`; beyond 32 of them a step is 1/32 of the distance from the peak. Two extrema between
+///   neighbouring steps are missed; a single minimum is not.
 /// - `upper_limit_hz`: upper limit of the search; the lower limit is zero.
 ///
-/// `None` if a side does not fall monotonically to half, or if an
+/// `None` if `|H|` rises on a side by 2 % of the peak or more before it has fallen to half power, or if an
 /// argument is not positive and finite.
 ///
 /// ```
@@ -114,50 +115,89 @@ pub fn half_power_crossings(response: &FrequencyResponse, peak: &Peak) -> Option
 pub fn half_power_of(
     mut power: impl FnMut(f64) -> f64,
     peak_hz: f64,
-    first_step_hz: f64,
+    step_hz: f64,
     upper_limit_hz: f64,
 ) -> Option<HalfPower> {
     let positive = |value: f64| value.is_finite() && value > 0.0;
     let top = power(peak_hz);
-    if ![peak_hz, first_step_hz, top].into_iter().all(positive) {
+    if ![peak_hz, step_hz, top].into_iter().all(positive) {
         return None;
     }
     let mut level = |frequency: f64| (power(frequency) / top).sqrt() * SQRT_2 - 1.0;
     let limits = (0.0, upper_limit_hz);
-    let lower_hz = crossing(&mut level, peak_hz, -first_step_hz, limits)?;
-    let upper_hz = crossing(&mut level, peak_hz, first_step_hz, limits)?;
+    let lower_hz = crossing(&mut level, peak_hz, -step_hz, limits)?;
+    let upper_hz = crossing(&mut level, peak_hz, step_hz, limits)?;
     Some(HalfPower { lower_hz, peak_hz, upper_hz })
 }
 
-/// Ratio of successive steps away from the peak.
-const GROWTH: f64 = 1.4;
-/// Steps away from the peak: `1.4^200` is more than any ratio of frequencies.
-const STEPS: usize = 200;
+/// Step away from a peak over the resolution `1/T` of a record: its spectrum hardly has a
+/// minimum and a maximum closer than that.
+pub(crate) const STEP: f64 = 0.25;
+/// Least step over the distance from the peak.
+const GROWTH: f64 = 1.0 / 32.0;
+/// Least rise over the lowest point on the way, over the height of the peak, that is another peak and not a
+/// ripple of noise or of the end of a record.
+const RISE: f64 = 0.02;
 /// Relative tolerance of a crossing.
 const TOLERANCE: f64 = 1e-10;
 
-/// The root of `level` on one side of the peak, bracketed by growing steps.
+/// The first root of `level` on one side of the peak, which `step` points to; `None` if `level` rises by [`RISE`] first.
 fn crossing(
     mut level: impl FnMut(f64) -> f64,
     peak_hz: f64,
-    mut step: f64,
+    step: f64,
     (low, high): (f64, f64),
 ) -> Option<f64> {
-    let (mut near, mut at_near) = (peak_hz, SQRT_2 - 1.0);
-    for _ in 0..STEPS {
-        let beyond = near + step;
+    let mut points = vec![(peak_hz, SQRT_2 - 1.0)];
+    let mut lowest = 0;
+    loop {
+        let near = points[points.len() - 1];
+        let grown = GROWTH * (near.0 - peak_hz);
+        let beyond = near.0 + if grown.abs() > step.abs() { grown } else { step };
         // The last step ends on a limit, which may be zero frequency itself.
-        let far = beyond.clamp(low, high);
-        let at_far = level(far);
-        if at_far <= 0.0 {
-            return Some(bracketed_root(level, (near, at_near), (far, at_far), TOLERANCE));
+        let far_hz = beyond.clamp(low, high);
+        let far = (far_hz, level(far_hz));
+        if far.1 <= 0.0 {
+            return Some(bracketed_root(level, near, far, TOLERANCE));
         }
-        let falls = at_far <= at_near; // false for NaN
-        if far != beyond || !falls {
+        if far.1 > points[lowest].1 + RISE * SQRT_2 {
+            // The minimum between the neighbours of the lowest point may be lower.
+            let from = points[lowest.saturating_sub(1)];
+            let to = points.get(lowest + 1).unwrap_or(&far);
+            let least = below_zero(&mut level, from.0, to.0)?;
+            return Some(bracketed_root(level, from, least, TOLERANCE));
+        }
+        if far_hz != beyond || far.1.is_nan() {
             return None;
         }
-        (near, at_near) = (far, at_far);
-        step *= GROWTH;
+        if far.1 < points[lowest].1 {
+            lowest = points.len();
+        }
+        points.push(far);
+    }
+}
+
+/// A point at which `level` is not positive, in an interval in which it has a single minimum; `None` without one.
+///
+/// Golden section, to 4e-9 of the interval.
+fn below_zero(mut level: impl FnMut(f64) -> f64, mut from: f64, mut to: f64) -> Option<(f64, f64)> {
+    const PART: f64 = 0.381_966_011_250_105;
+    let mut at = |part: f64, (from, to): (f64, f64)| {
+        let frequency = from + part * (to - from);
+        (frequency, level(frequency))
+    };
+    let (mut first, mut second) = (at(PART, (from, to)), at(1.0 - PART, (from, to)));
+    for _ in 0..40 {
+        if let Some(found) = [first, second].into_iter().find(|point| point.1 <= 0.0) {
+            return Some(found);
+        }
+        if first.1 < second.1 {
+            to = second.0;
+            (first, second) = (at(PART, (from, to)), first);
+        } else {
+            from = first.0;
+            (first, second) = (second, at(1.0 - PART, (from, to)));
+        }
     }
     None
 }

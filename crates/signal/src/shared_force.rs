@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use asperity_transform::{fast_length, forward};
 use num_complex::Complex64;
 
-use crate::damping::half_power_of;
+use crate::damping::{STEP, half_power_of};
 use crate::form::ResponseKind;
 use crate::harmonics::{HarmonicOptions, harmonics_of};
 use crate::receptance_features::ReceptanceFeatures;
@@ -116,9 +116,9 @@ impl SharedForce {
             return Some(ReceptanceFeatures { harmonics, ..ReceptanceFeatures::default() });
         }
         let power = |frequency| hit.power(frequency);
-        let first_step = 0.25 * self.rate / displacement.len() as f64;
+        let step = STEP * self.rate / displacement.len() as f64;
         let highest = (self.keep - POINTS) as f64 * hit.step();
-        let half_power = half_power_of(power, f, first_step, highest);
+        let half_power = half_power_of(power, f, step, highest);
         Some(ReceptanceFeatures { harmonics, half_power, ..ReceptanceFeatures::default() })
     }
 }

@@ -65,5 +65,11 @@ fn cell(statistic: &Statistic) -> String {
         let percent = 100.0 * x;
         if percent.abs() < 1e-3 { "0".to_owned() } else { format!("{percent:.3}") }
     };
-    format!("{} ± {}{}", digits(statistic.bias), digits(statistic.spread), part(statistic.found))
+    // One hit has no spread.
+    let spread = if statistic.found > 1 {
+        format!(" ± {}", digits(statistic.spread))
+    } else {
+        String::new()
+    };
+    format!("{}{spread}{}", digits(statistic.bias), part(statistic.found))
 }

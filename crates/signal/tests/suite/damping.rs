@@ -62,6 +62,54 @@ fn overlapping_modes_have_no_width() {
     assert_eq!(half_power(&hit, &found.fundamental.unwrap()), None);
 }
 
+/// A peak at 100 Hz beside which the power falls to `least` of it in a minimum of the width of a
+/// hundredth of a hertz at 92 Hz, and rises beyond.
+fn beside_a_minimum(least: f64) -> impl Fn(f64) -> f64 {
+    move |f| {
+        let peak = 1.0 / (1.0 + ((f - 100.0) / 20.0).powi(2));
+        let beyond = if f < 92.0 { 0.2 * (92.0 - f) } else { 0.0 };
+        let dip = (1.0 - least / peak_at_92()) / (1.0 + ((f - 92.0) / 0.01).powi(2));
+        (peak + beyond) * (1.0 - dip)
+    }
+}
+
+fn peak_at_92() -> f64 {
+    1.0 / (1.0 + 0.16)
+}
+
+/// Verified against a minimum far narrower than the steps of the search: whatever these are, it is a
+/// crossing if it is deep enough and none if it is not, and the crossing is where the power is half.
+/// Would fail with steps that grow as they like: of these, some pass over the minimum to where power is higher.
+#[test]
+fn a_narrow_minimum_decides_whatever_the_steps() {
+    for step in [0.11, 0.7, 1.3, 2.9, 5.3, 7.9] {
+        let deep = beside_a_minimum(0.3);
+        let found = half_power_of(&deep, 100.0, step, 1e4).unwrap();
+        let level = deep(found.lower_hz);
+        assert!(found.lower_hz > 92.0 && (level - 0.5).abs() < 1e-6, "{step}: {found:?} {level}");
+        assert!((found.upper_hz - 120.0).abs() < 1e-4, "{step}: {found:?}");
+        assert_eq!(half_power_of(beside_a_minimum(0.51), 100.0, step, 1e4), None, "{step}");
+    }
+}
+
+/// Verified against ripples of an amplitude and a period of their own on the way to half power: low ones
+/// leave the ratio within what they change at a crossing, high ones leave none.
+#[test]
+fn low_ripples_are_no_peak() {
+    let mode = mode(0.035);
+    let rippled = |height: f64| {
+        let top = mode.receptance(832.0).norm();
+        move |f: f64| {
+            let ripple = height * top * (std::f64::consts::TAU * (f - 832.0) / 3.0).cos();
+            (mode.receptance(f).norm() + ripple).powi(2)
+        }
+    };
+    let found = half_power_of(rippled(0.005), 832.0, 0.5, 1e5).unwrap();
+    // 0.5 % of the peak at a slope of 1/(2 sqrt 2) of it over the half width.
+    assert!((found.ratio() / 0.035 - 1.0).abs() < 0.015, "{found:?}");
+    assert_eq!(half_power_of(rippled(0.03), 832.0, 0.5, 1e5), None);
+}
+
 /// Verified against the damping and frequency of the decay, for any
 /// offset. Tolerance: the error of the quartic is of fifth order in the phase per sample, below
 /// 1e-7 of the ratio at 54 samples a cycle.
