@@ -41,6 +41,9 @@ const LIKE_LOSS: f64 = 0.1;
 /// Errors by equal steps over those by steps of twice the length, at least: the method is of second order.
 const HALF_STEP: f64 = 0.25;
 
+/// Errors by the truncation of modes over those of half their number, at least: they are of third order.
+const TWICE_MODES: f64 = 0.125;
+
 /// Successive levels without a response after which the run fails.
 const MOST_FAILURES: usize = 4;
 
@@ -90,6 +93,8 @@ pub(super) struct Task<'a> {
     pub(super) fewer: Option<Result<Response, SimulationError>>,
     /// Errors by equal steps of twice the length.
     by_longer_step: Option<ErrorEstimate>,
+    /// Errors by the truncation of modes at half their number.
+    by_half_modes: Option<ErrorEstimate>,
     /// Errors by the truncation of modes, with the number of modes of the response.
     truncation: Option<(usize, ErrorEstimate)>,
     /// The time from which on the fine response and its perturbed run differ, and the observables of the
@@ -135,6 +140,7 @@ impl<'a> Task<'a> {
             other: None,
             fewer: None,
             by_longer_step: None,
+            by_half_modes: None,
             truncation: None,
             diverged: None,
             done: None,
@@ -202,7 +208,7 @@ impl<'a> Task<'a> {
     fn begin_anew(&mut self, steps: StepLengths, level: Level) {
         (self.steps, self.level, self.fine) = (steps, level, None);
         (self.other, self.fewer, self.truncation) = (None, None, None);
-        self.by_longer_step = None;
+        (self.by_longer_step, self.by_half_modes) = (None, None);
     }
 
     /// True if the fine response is compared with one of half the step, false for one of twice the step.
@@ -360,19 +366,18 @@ impl<'a> Task<'a> {
     /// Errors by the truncation of modes, of third order in their number; with loss of contact or
     /// friction of no certain order, the whole difference.
     fn truncation_errors(&self, fine: &Response) -> ErrorEstimate {
-        match &self.fewer {
-            Some(Ok(fewer)) => {
-                let kinks = fewer.loses_contact() || fine.loses_contact() || fine.has_friction();
-                let is_of_more = fewer.record.modes > fine.record.modes;
-                let divisor = if kinks || is_of_more { 1.0 } else { 3.0 };
-                ErrorEstimate::new(
-                    fine.observables.all(),
-                    fewer.observables.all(),
-                    divisor,
-                    self.accuracy(),
-                )
-            }
-            None | Some(Err(_)) => ErrorEstimate::unknown(fine.observables.all(), self.accuracy()),
+        let Some(Ok(fewer)) = &self.fewer else {
+            return ErrorEstimate::unknown(fine.observables.all(), self.accuracy());
+        };
+        let kinks = fewer.loses_contact() || fine.loses_contact() || fine.has_friction();
+        let [others, modes] = [fewer, fine].map(|response| response.record.modes);
+        let divisor = if kinks || others > modes { 1.0 } else { 3.0 };
+        let (found, other) = (fine.observables.all(), fewer.observables.all());
+        let found = ErrorEstimate::new(found, other, divisor, self.accuracy());
+        // Two may agree by chance here too, unless the modes that one lacks are too fast for the step anyway.
+        match &self.by_half_modes {
+            Some(half) if others != modes => found.larger(half.scaled(TWICE_MODES)),
+            _ => found,
         }
     }
 
@@ -550,6 +555,8 @@ impl<'a> Task<'a> {
                     self.slow = Some(Level { modes, ..self.level });
                     self.begin_anew(StepLengths::Own, Level { modes, ..self.first.varied() });
                 } else if diverged.is_none() && add_modes {
+                    let is_known = by_modes.relative.is_finite() && !self.varies_steps();
+                    self.by_half_modes = is_known.then_some(by_modes);
                     self.level.modes += 1;
                     self.level.step += i32::from(halve);
                     self.other = None;
