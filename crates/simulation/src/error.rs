@@ -146,6 +146,16 @@ impl SimulationError {
         Self::Model { place: place.to_owned(), problem, accepted }
     }
 
+    /// True for a response that a shorter step or more modes may have.
+    pub(crate) fn is_mended_by_refinement(&self) -> bool {
+        let Self::Dynamics(error) = self else { return false };
+        match error {
+            DynamicsError::Unstable { .. } | DynamicsError::Coarse { .. } => true,
+            DynamicsError::Law { source, .. } => matches!(source, LawError::Unresolved { .. }),
+            _ => false,
+        }
+    }
+
     /// True if the scenario or the request is to be changed; false if the computation failed.
     pub fn is_wrong_request(&self) -> bool {
         match self {

@@ -5,8 +5,7 @@
 //! accepted when all errors together are as small as was asked for; otherwise the next level has half the
 //! step, twice the modes, or both.
 
-use asperity_dynamics::{COARSE_RESIDUAL, ContactExtremes, DynamicsError, TransientCase};
-use asperity_law::LawError;
+use asperity_dynamics::{COARSE_RESIDUAL, ContactExtremes, TransientCase};
 
 use super::Reference;
 use super::converged_run::{ConvergedRun, RunRequest};
@@ -487,7 +486,7 @@ impl<'a> Task<'a> {
             Some(Err(error))
                 if self.failures < MOST_FAILURES
                     && self.may_halve(&self.work(None))
-                    && is_mended_by_refinement(&error) =>
+                    && error.is_mended_by_refinement() =>
             {
                 self.failures += 1;
                 self.level.step += 1;
@@ -592,14 +591,5 @@ fn accepted(response: Response, counts: Vec<usize>, estimate: ErrorEstimate) -> 
         record: response.record,
         observables: response.observables.with_estimate(estimate),
         case: response.case,
-    }
-}
-
-fn is_mended_by_refinement(error: &SimulationError) -> bool {
-    let SimulationError::Dynamics(error) = error else { return false };
-    match error {
-        DynamicsError::Unstable { .. } | DynamicsError::Coarse { .. } => true,
-        DynamicsError::Law { source, .. } => matches!(source, LawError::Unresolved { .. }),
-        _ => false,
     }
 }
