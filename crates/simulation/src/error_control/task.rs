@@ -55,8 +55,8 @@ const FAST_SHARE: f64 = 0.1;
 /// Share for the errors by the step and by the number of modes together, at steps of its own.
 const OWN_STEPS_SHARE: f64 = 0.9;
 
-/// A response counts as far from converged after this number of halvings with an estimated error of
-/// this multiple of the accuracy.
+/// A response counts as far from converged after this number of halvings of equal steps, and at steps of its own at once,
+/// with an estimated error of this multiple of the accuracy.
 const SUSPECT_REFINEMENTS: i32 = 2;
 const SUSPECT_ERROR: f64 = 10.0;
 
@@ -272,7 +272,7 @@ impl<'a> Task<'a> {
     }
 
     fn is_far_from_converged(&self, fine: &Response) -> bool {
-        self.level.step >= SUSPECT_REFINEMENTS
+        (self.varies_steps() || self.level.step >= SUSPECT_REFINEMENTS)
             && self.step_errors(fine).relative > SUSPECT_ERROR * self.accuracy()
     }
 

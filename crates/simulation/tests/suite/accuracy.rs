@@ -309,6 +309,21 @@ fn finite_differences_state_their_error() {
     assert!((0.95..1.15).contains(&order), "{order} {stated:?}");
 }
 
+/// A body that is thrown up and hits again and again depends on rounding, as a perturbed response shows at the first level at steps of its own,
+/// whose modes are eight times those of the first: none of shorter steps follow. Once four times the steps, of sixteen times the modes.
+#[test]
+fn what_depends_on_rounding_is_not_refined() {
+    let document = Document::read("../../fixtures/cases/random-083.json").unwrap();
+    let scenario = document.scenario().unwrap();
+    let prepared = Arc::new(PreparedScenario::new(&scenario, document.folder()).unwrap());
+    let request = RunRequest::at_sensors(&prepared, &prepared.assembly.load, None).remove(0);
+    let (_, first) = ErrorControl::first_level(&request).unwrap();
+    let run = run(&document);
+    assert!(warnings(&run).contains(&"sensitive"), "{:?}", warnings(&run));
+    let eightfold: Vec<usize> = first.iter().map(|modes| 8 * modes).collect();
+    assert_eq!(run.summary.numerics.modes_per_body, Some(eightfold));
+}
+
 /// A stack that rattles on springs without tension depends on rounding.
 #[test]
 fn rattling_is_named_with_the_time_from_which_rounding_counts() {
