@@ -351,7 +351,9 @@ impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
         let is_by_ripples = least > self.options.minimum_prominence * magnitude;
         let is_hardly_higher = is_by_ripples && (height - least).abs() < MARGINAL * least;
         let is_high = height >= least;
-        if is_hardly_higher || (is_near_floor && is_high) {
+        // Beyond a zero of the force there is another resonance, or this is a ripple on the flank of its pole.
+        let is_on_flank = magnitude - self.grid.saddle_to_poles(index, &further) < least;
+        if is_hardly_higher || (is_high && (is_near_floor || is_on_flank)) {
             marginal_hz.push(frequency_hz);
         }
         (is_high && !is_weak).then_some(Peak {

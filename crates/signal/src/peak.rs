@@ -105,6 +105,17 @@ impl PowerGrid {
         left.1.max(right.1)
     }
 
+    /// The same if `|H| + ripple` ends a side where it exceeds the maximum at a weak force too.
+    pub(crate) fn saddle_to_poles(&self, index: usize, ripple: &impl Fn(f64, f64) -> f64) -> f64 {
+        let top = self.heights[index];
+        let side = |beside: &mut dyn Iterator<Item = usize>| {
+            let lower = beside.take_while(|&k| self.heights[k] <= top);
+            let values = lower.map(|k| self.above(k, self.heights[k], ripple));
+            values.fold(self.above(index, top, ripple), f64::min)
+        };
+        side(&mut (0..index).rev()).max(side(&mut (index + 1..self.heights.len())))
+    }
+
     /// The same of the points alone, which is no less: of a minimum beside a pole, as where the force vanishes, a sinusoid
     /// may be far too low.
     pub(crate) fn saddle_above_points(

@@ -201,7 +201,7 @@ impl fmt::Display for Warning {
             Self::MarginalPeak { frequency_hz } => write!(
                 f,
                 "whether the maximum at {frequency_hz:.2} Hz is the largest peak is not certain: it is about as high over its minima \
-                 as the ripples of a record that ends while the motion rings, or as another maximum, or the force there is \
+                 as the ripples of a record that ends while the motion rings, or as another maximum, or the force there or beside it is \
                  hardly strong enough; f1, A1 or A2/A1 depend on it, and a longer `duration_s`, or a pulse of another \
                  length, decides"
             ),
