@@ -120,7 +120,7 @@ pub fn half_power_of(
 ) -> Option<HalfPower> {
     let positive = |value: f64| value.is_finite() && value > 0.0;
     let top = power(peak_hz);
-    if ![peak_hz, step_hz, top].into_iter().all(positive) {
+    if ![peak_hz, step_hz, upper_limit_hz, top].into_iter().all(positive) {
         return None;
     }
     let mut level = |frequency: f64| (power(frequency) / top).sqrt() * SQRT_2 - 1.0;
@@ -167,7 +167,8 @@ fn crossing(
             let least = below_zero(&mut level, from.0, to.0)?;
             return Some(bracketed_root(level, from, least, TOLERANCE));
         }
-        if far_hz != beyond || far.1.is_nan() {
+        // On a limit, or with a step that is rounded away.
+        if far_hz != beyond || far_hz == near.0 || far.1.is_nan() {
             return None;
         }
         if far.1 < points[lowest].1 {

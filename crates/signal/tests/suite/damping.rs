@@ -92,6 +92,15 @@ fn a_narrow_minimum_decides_whatever_the_steps() {
     }
 }
 
+/// Arguments without an answer have none, and none makes the search run on.
+#[test]
+fn steps_and_limits_of_no_use_have_no_width() {
+    let flat = |_: f64| 1.0;
+    for (step, limit) in [(1e-20, 1e4), (1.0, f64::NAN), (1.0, -5.0), (1.0, 50.0), (1.0, 1e300)] {
+        assert_eq!(half_power_of(flat, 100.0, step, limit), None, "{step} {limit}");
+    }
+}
+
 /// Verified against ripples of an amplitude and a period of their own on the way to half power: low ones
 /// leave the ratio within what they change at a crossing, high ones leave none.
 #[test]
