@@ -52,7 +52,7 @@ impl HalfPower {
 
 /// Damping ratio of a peak from its half-power crossings, [`HalfPower::ratio`].
 ///
-/// The crossings are found on the exact transform of the record to 1e-10.
+/// The crossings are found on the exact transform of the record to 1e-13, where rounding allows it.
 /// `None` if `|H|^2` does not fall to half on each side before `|H|` rises again, by 2 % of the
 /// peak or more, as with overlapping modes.
 ///
@@ -139,7 +139,7 @@ const GROWTH: f64 = 1.0 / 32.0;
 /// ripple of noise or of the end of a record.
 const RISE: f64 = 0.02;
 /// Relative tolerance of a crossing.
-const TOLERANCE: f64 = 1e-10;
+const TOLERANCE: f64 = 1e-13;
 
 /// The first root of `level` on one side of the peak, which `step` points to; `None` if `level` rises by [`RISE`] first.
 fn crossing(
