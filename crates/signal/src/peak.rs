@@ -105,15 +105,10 @@ impl PowerGrid {
         left.1.max(right.1)
     }
 
-    /// The same if `|H| + ripple` ends a side where it exceeds the maximum at a weak force too.
+    /// The same where a pole ends a side at a weak force too.
     pub(crate) fn saddle_to_poles(&self, index: usize, ripple: &impl Fn(f64, f64) -> f64) -> f64 {
-        let top = self.heights[index];
-        let side = |beside: &mut dyn Iterator<Item = usize>| {
-            let lower = beside.take_while(|&k| self.heights[k] <= top);
-            let values = lower.map(|k| self.above(k, self.heights[k], ripple));
-            values.fold(self.above(index, top, ripple), f64::min)
-        };
-        side(&mut (0..index).rev()).max(side(&mut (index + 1..self.heights.len())))
+        let [left, right] = self.lowest_at(index, &self.heights, 0.0, ripple);
+        left.1.max(right.1)
     }
 
     /// The same of the points alone, which is no less: of a minimum beside a pole, as where the force vanishes, a sinusoid
@@ -160,8 +155,18 @@ impl PowerGrid {
         powers: &[f64],
         ripple: &impl Fn(f64, f64) -> f64,
     ) -> [(usize, f64); 2] {
+        self.lowest_at(index, powers, self.force_floor.min(self.force[index]), ripple)
+    }
+
+    /// The same of the points with a force of `floor` or more.
+    fn lowest_at(
+        &self,
+        index: usize,
+        powers: &[f64],
+        floor: f64,
+        ripple: &impl Fn(f64, f64) -> f64,
+    ) -> [(usize, f64); 2] {
         let top = self.heights[index];
-        let floor = self.force_floor.min(self.force[index]);
         let value = |k: usize| (k, self.above(k, powers[k], ripple));
         let lowest = |beside: &mut dyn Iterator<Item = usize>, floor: f64| {
             let strong = beside.filter(|&k| self.force[k] >= floor);
